@@ -1,0 +1,107 @@
+// Comm: the ranks of a run and their typed collectives. Only comm/ names MPI; this header does not include it.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "mesh/error.hpp"
+#include "mesh/ids.hpp"
+
+namespace skein {
+
+/// Initialises MPI (thread level FUNNELED) and finalises it. One per program, in main().
+class Environment {
+ public:
+  Environment(int& argc, char**& argv);
+  ~Environment();
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+};
+
+enum class Op { kSum, kMin, kMax };
+
+/// Numbers that collectives can reduce.
+template <class T>
+concept Reducible = std::is_same_v<T, double> || std::is_same_v<T, std::int32_t> || std::is_same_v<T, std::int64_t> ||
+                    std::is_same_v<T, std::uint64_t>;
+/// Values that can be sent as bytes.
+template <class T>
+concept Sendable = std::is_trivially_copyable_v<T>;
+
+/// A group of ranks; owns its MPI communicator. Movable, not copyable.
+class Comm {
+ public:
+  /// All ranks of the run. Collective.
+  static Comm world();
+  /// This process alone: a communicator of one rank.
+  static Comm self();
+  ~Comm();
+  Comm(Comm&&) noexcept;
+  Comm& operator=(Comm&&) noexcept;
+  Comm(const Comm&) = delete;
+  Comm& operator=(const Comm&) = delete;
+
+  [[nodiscard]] Rank rank() const noexcept;
+  [[nodiscard]] int size() const noexcept;
+  [[nodiscard]] bool is_root() const noexcept { return rank() == Rank{0}; }
+
+  /// Collective. The reduction over all ranks, the same bits on every rank.
+  template <Reducible T>
+  [[nodiscard]] T reduce(T v, Op op) const;
+  template <Reducible T>
+  [[nodiscard]] T sum(T v) const { return reduce(v, Op::kSum); }
+  template <Reducible T>
+  [[nodiscard]] T min(T v) const { return reduce(v, Op::kMin); }
+  template <Reducible T>
+  [[nodiscard]] T max(T v) const { return reduce(v, Op::kMax); }
+  /// Collective. Element by element, in place.
+  template <Reducible T>
+  void reduce(std::span<T> v, Op op) const;
+  /// Collective. The sum over all lower ranks (0 on rank 0).
+  template <Reducible T>
+  [[nodiscard]] T exclusive_sum(T v) const;
+  /// Collective. One value per rank, by rank.
+  template <Sendable T>
+  [[nodiscard]] std::vector<T> all_gather(const T& v) const;
+  /// Collective. The ranks' vectors one behind the other, by rank.
+  template <Sendable T>
+  [[nodiscard]] std::vector<T> all_gather(const std::vector<T>& v) const;
+  /// Collective. The ranks' vectors one behind the other on rank 0; empty elsewhere.
+  template <Sendable T>
+  [[nodiscard]] std::vector<T> gather(const std::vector<T>& v) const;
+  /// Collective. Rank 0's value on every rank.
+  template <Sendable T>
+  [[nodiscard]] T broadcast(const T& v) const;
+  [[nodiscard]] std::string broadcast(const std::string& s) const;
+  /// Collective.
+  void barrier() const;
+
+  /// Bytes that this rank has sent through this object so far (collectives and exchanges).
+  [[nodiscard]] std::int64_t bytes_sent() const noexcept;
+
+  struct Impl;
+  [[nodiscard]] Impl& impl() const noexcept { return *impl_; }
+
+ private:
+  explicit Comm(Impl* impl) noexcept : impl_(impl) {}
+  Impl* impl_;
+};
+
+/// Collective. Runs `work` on every rank; when it throws on any, every rank throws the same Error: that of the lowest
+/// failing rank. `work` must not call a collective.
+void agree(const Comm& comm, const std::function<void()>& work);
+
+/// Seconds since some fixed moment.
+double wall_time() noexcept;
+/// CPU seconds that this process has used (all its threads).
+double cpu_time() noexcept;
+/// Largest resident memory of this process so far, in bytes.
+std::int64_t peak_memory() noexcept;
+
+}  // namespace skein
+
+#include "comm/comm_inl.hpp"

@@ -1,0 +1,74 @@
+// TetMesh: one rank's (or one part's) tetrahedra as a struct of arrays.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mesh/feature_edges.hpp"
+#include "mesh/ids.hpp"
+#include "mesh/vec3.hpp"
+
+namespace skein {
+
+/// What a vertex is; a set of bits.
+enum VertFlag : std::uint8_t {
+  kSurface = 1,    ///< lies on a tagged face (domain boundary or internal interface)
+  kRidge = 2,      ///< lies on a feature edge
+  kCorner = 4,     ///< never moves, never goes (end or junction of feature edges, or given as corner)
+  kRequired = 8,   ///< given as required: never moves, never goes
+  kFrozen = 16,    ///< on the interface to another part: not to be touched in this round
+  kActive = 32,    ///< still to be looked at
+};
+
+/// Tag of one face of a tetrahedron: 0 is an inner face; otherwise the low 14 bits are the patch number (1-based
+/// index into TetMesh::patch_ref, minus one) and the bits below tell more.
+using FaceTag = std::uint16_t;
+inline constexpr FaceTag kPatchMask = 0x3fff;
+inline constexpr FaceTag kHullFace = 0x8000;      ///< face of the domain's hull: no tetrahedron behind it on any rank
+inline constexpr FaceTag kRequiredFace = 0x4000;  ///< given as required triangle: kept as it is
+constexpr int tag_patch(FaceTag t) noexcept { return static_cast<int>(t & kPatchMask) - 1; }
+constexpr bool is_hull(FaceTag t) noexcept { return (t & kHullFace) != 0; }
+
+/// The vertices of face f, counter-clockwise seen from outside.
+inline constexpr std::array<std::array<int, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+/// The two vertices of each of the six edges.
+inline constexpr std::array<std::array<int, 2>, 6> kEdgeVerts{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+/// Tetrahedra with adjacency. A tetrahedron is oriented so that det(v1-v0, v2-v0, v3-v0) > 0.
+/// A free slot has tet2vert[t][0] == kNoVert; a free vertex has vert2tet == kNoTet.
+/// A face with tet2face == kNoFace is on the hull (tag has kHullFace) or on the interface to another part.
+struct TetMesh {
+  // per vertex
+  IdVector<VertId, Vec3> coords;             ///< length unit of the input
+  IdVector<VertId, std::int32_t> vert_ref;   ///< reference of the file
+  IdVector<VertId, std::uint8_t> vert_flags; ///< VertFlag bits
+  IdVector<VertId, TetId> vert2tet;          ///< one tetrahedron at the vertex
+  // per tetrahedron
+  IdVector<TetId, std::array<VertId, 4>> tet2vert;
+  IdVector<TetId, std::array<FaceId, 4>> tet2face;  ///< the face of the neighbour that is this face
+  IdVector<TetId, std::array<FaceTag, 4>> face_tag;
+  IdVector<TetId, std::int32_t> tet_ref;
+  // for the whole mesh
+  std::vector<std::int32_t> patch_ref;  ///< file reference of each patch; the same on every rank
+  FeatureEdges features;                ///< ridges and referenced edges
+
+  [[nodiscard]] std::size_t vert_slots() const noexcept { return coords.size(); }
+  [[nodiscard]] std::size_t tet_slots() const noexcept { return tet2vert.size(); }
+  [[nodiscard]] bool is_live(TetId t) const noexcept { return tet2vert[t][0] != kNoVert; }
+  [[nodiscard]] bool is_live(VertId v) const noexcept { return vert2tet[v] != kNoTet; }
+  [[nodiscard]] bool has(VertId v, std::uint8_t flags) const noexcept { return (vert_flags[v] & flags) != 0; }
+};
+
+/// Six times the volume of a tetrahedron (rounded).
+inline double volume6(const TetMesh& m, TetId t) noexcept {
+  const auto& v = m.tet2vert[t];
+  return volume6(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]);
+}
+/// The vertices of a face, counter-clockwise seen from outside the tetrahedron.
+inline std::array<VertId, 3> face_verts(const TetMesh& m, FaceId f) noexcept {
+  const auto& v = m.tet2vert[face_tet(f)];
+  const auto& k = kFaceVerts[static_cast<std::size_t>(face_side(f))];
+  return {v[static_cast<std::size_t>(k[0])], v[static_cast<std::size_t>(k[1])], v[static_cast<std::size_t>(k[2])]};
+}
+
+}  // namespace skein
