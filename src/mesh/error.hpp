@@ -8,11 +8,11 @@ namespace skein {
 /// Exit codes of the command line (documented in docs/cli.md).
 enum class ExitCode : int {
   kOk = 0,
-  kInvalidMesh = 1,   ///< the mesh given is not valid (check, or input refused)
-  kUsage = 2,         ///< bad command line
-  kInput = 3,         ///< a file is missing, truncated, or does not fit the others
-  kOutput = 4,        ///< an output cannot be written
-  kInternal = 5,      ///< a bug of Skein
+  kInvalidMesh = 1,  ///< the mesh given is not valid (check, or input refused)
+  kUsage = 2,        ///< bad command line
+  kInput = 3,        ///< a file is missing, truncated, or does not fit the others
+  kOutput = 4,       ///< an output cannot be written
+  kInternal = 5,     ///< a bug of Skein
 };
 
 /// what() is one line: file, line or entity, what is wrong, what to do.

@@ -12,12 +12,12 @@ namespace skein {
 
 /// What a vertex is; a set of bits.
 enum VertFlag : std::uint8_t {
-  kSurface = 1,    ///< lies on a tagged face (domain boundary or internal interface)
-  kRidge = 2,      ///< lies on a feature edge
-  kCorner = 4,     ///< never moves, never goes (end or junction of feature edges, or given as corner)
-  kRequired = 8,   ///< given as required: never moves, never goes
-  kFrozen = 16,    ///< on the interface to another part: not to be touched in this round
-  kActive = 32,    ///< still to be looked at
+  kSurface = 1,   ///< lies on a tagged face (domain boundary or internal interface)
+  kRidge = 2,     ///< lies on a feature edge
+  kCorner = 4,    ///< never moves, never goes (end or junction of feature edges, or given as corner)
+  kRequired = 8,  ///< given as required: never moves, never goes
+  kFrozen = 16,   ///< on the interface to another part: not to be touched in this round
+  kActive = 32,   ///< still to be looked at
 };
 
 /// Tag of one face of a tetrahedron: 0 is an inner face; otherwise the low 14 bits are the patch number (1-based
@@ -39,10 +39,10 @@ inline constexpr std::array<std::array<int, 2>, 6> kEdgeVerts{{{0, 1}, {0, 2}, {
 /// A face with tet2face == kNoFace is on the hull (tag has kHullFace) or on the interface to another part.
 struct TetMesh {
   // per vertex
-  IdVector<VertId, Vec3> coords;             ///< length unit of the input
-  IdVector<VertId, std::int32_t> vert_ref;   ///< reference of the file
-  IdVector<VertId, std::uint8_t> vert_flags; ///< VertFlag bits
-  IdVector<VertId, TetId> vert2tet;          ///< one tetrahedron at the vertex
+  IdVector<VertId, Vec3> coords;              ///< length unit of the input
+  IdVector<VertId, std::int32_t> vert_ref;    ///< reference of the file
+  IdVector<VertId, std::uint8_t> vert_flags;  ///< VertFlag bits
+  IdVector<VertId, TetId> vert2tet;           ///< one tetrahedron at the vertex
   // per tetrahedron
   IdVector<TetId, std::array<VertId, 4>> tet2vert;
   IdVector<TetId, std::array<FaceId, 4>> tet2face;  ///< the face of the neighbour that is this face

@@ -30,8 +30,7 @@ constexpr Vec3 mul(const SymTensor& m, Vec3 e) noexcept {
           m.xz * e.x + m.yz * e.y + m.zz * e.z};
 }
 constexpr double det(const SymTensor& m) noexcept {
-  return m.xx * (m.yy * m.zz - m.yz * m.yz) - m.xy * (m.xy * m.zz - m.yz * m.xz) +
-         m.xz * (m.xy * m.yz - m.yy * m.xz);
+  return m.xx * (m.yy * m.zz - m.yz * m.yz) - m.xy * (m.xy * m.zz - m.yz * m.xz) + m.xz * (m.xy * m.yz - m.yy * m.xz);
 }
 inline bool is_finite(const SymTensor& m) noexcept { return std::isfinite(m.xx + m.xy + m.yy + m.xz + m.yz + m.zz); }
 

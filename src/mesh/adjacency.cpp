@@ -1,0 +1,185 @@
+// Adjacency by hashing faces on their smallest vertex; compaction along the Hilbert curve.
+#include "mesh/adjacency.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "mesh/error.hpp"
+#include "mesh/hilbert.hpp"
+
+namespace skein {
+namespace {
+
+struct SortedFace {
+  VertId a, b, c;
+  friend bool operator==(const SortedFace&, const SortedFace&) = default;
+};
+SortedFace sorted_face(const std::array<VertId, 4>& v, std::size_t side) noexcept {
+  const auto& k = kFaceVerts[side];
+  VertId a = v[static_cast<std::size_t>(k[0])], b = v[static_cast<std::size_t>(k[1])],
+         c = v[static_cast<std::size_t>(k[2])];
+  if (b < a) std::swap(a, b);
+  if (c < b) std::swap(b, c);
+  if (b < a) std::swap(a, b);
+  return {a, b, c};
+}
+
+[[noreturn]] void throw_crowded(const TetMesh& m, const SortedFace& key) {
+  std::string tets;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (sorted_face(m.tet2vert[t], f) == key) tets += fmt::format(" {}", num(t) + 1);
+    }
+  }
+  const Vec3 x = m.coords[key.a];
+  throw Error(ExitCode::kInvalidMesh, fmt::format("a face at ({:.6g}, {:.6g}, {:.6g}) has more than two tetrahedra "
+                                                  "(local numbers{}); remove the overlapping ones",
+                                                  x.x, x.y, x.z, tets));
+}
+
+}  // namespace
+
+void build_adjacency(TetMesh& m) {
+  const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
+  m.tet2face.assign(nt, {kNoFace, kNoFace, kNoFace, kNoFace});
+  m.vert2tet.assign(nv, kNoTet);
+  // One chain of open faces per smallest vertex: head per vertex, next per face. Chains stay short (valence ~ 24/3).
+  std::vector<std::int32_t> head(nv, -1), next(4 * nt, -1);
+  for (const TetId t : IdRange<TetId>(nt)) {
+    const auto& v = m.tet2vert[t];
+    for (const VertId w : v) m.vert2tet[w] = t;
+    for (std::size_t f = 0; f < 4; ++f) {
+      const SortedFace key = sorted_face(v, f);
+      const FaceId me = make_face(t, static_cast<int>(f));
+      std::int32_t* link = &head[idx(key.a)];
+      while (*link >= 0) {
+        const FaceId other{*link};
+        if (sorted_face(m.tet2vert[face_tet(other)], static_cast<std::size_t>(face_side(other))) == key) {
+          auto& back = m.tet2face[face_tet(other)][static_cast<std::size_t>(face_side(other))];
+          if (back != kNoFace) throw_crowded(m, key);
+          back = me;
+          m.tet2face[t][f] = other;
+          break;
+        }
+        link = &next[idx(other)];
+      }
+      // Matched faces stay in the chain, so that a third tetrahedron is seen.
+      if (*link < 0) *link = num(me);
+    }
+  }
+}
+
+void mark_boundary_vertices(TetMesh& m) {
+  for (auto& f : m.vert_flags) f = static_cast<std::uint8_t>(f & ~(kSurface | kRidge));
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t)) continue;
+    for (int f = 0; f < 4; ++f) {
+      if (m.face_tag[t][static_cast<std::size_t>(f)] == 0) continue;
+      for (const VertId v : face_verts(m, make_face(t, f))) m.vert_flags[v] |= kSurface;
+    }
+  }
+  for (const auto& e : m.features.list()) {
+    m.vert_flags[e.a] |= kRidge;
+    m.vert_flags[e.b] |= kRidge;
+  }
+}
+
+namespace {
+
+/// Indices 0..n-1 of the live items ordered by key.
+template <class Id>
+std::vector<Id> order_by_key(std::size_t n, const std::vector<std::uint64_t>& key, const std::vector<char>& live) {
+  std::vector<std::pair<std::uint64_t, Id>> order;
+  order.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (live[i] != 0) order.emplace_back(key[i], to_id<Id>(i));
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<Id> out(order.size());
+  std::transform(order.begin(), order.end(), out.begin(), [](const auto& p) { return p.second; });
+  return out;
+}
+
+template <class Id, class T>
+void gather(IdVector<Id, T>& v, const std::vector<Id>& from) {
+  if (v.empty() && !from.empty()) return;  // an array that the caller does not keep
+  IdVector<Id, T> out(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) out[to_id<Id>(i)] = v[from[i]];
+  v = std::move(out);
+}
+
+Box bounding_box(const TetMesh& m) noexcept {
+  constexpr double kBig = 1e300;
+  Box box{{kBig, kBig, kBig}, {-kBig, -kBig, -kBig}};
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    if (!m.is_live(v)) continue;
+    const Vec3 x = m.coords[v];
+    box.low = {std::min(box.low.x, x.x), std::min(box.low.y, x.y), std::min(box.low.z, x.z)};
+    box.high = {std::max(box.high.x, x.x), std::max(box.high.y, x.y), std::max(box.high.z, x.z)};
+  }
+  return box;
+}
+
+}  // namespace
+
+IdVector<VertId, VertId> compact(TetMesh& m) {
+  const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
+  const Box box = bounding_box(m);
+  std::vector<std::uint64_t> key(nv, 0);
+  std::vector<char> live(nv, 0);
+  for (const VertId v : IdRange<VertId>(nv)) {
+    live[idx(v)] = m.is_live(v) ? 1 : 0;
+    if (live[idx(v)] != 0) key[idx(v)] = hilbert_key(m.coords[v], box);
+  }
+  const auto new2old = order_by_key<VertId>(nv, key, live);
+  IdVector<VertId, VertId> old2new(nv, kNoVert);
+  for (std::size_t i = 0; i < new2old.size(); ++i) old2new[new2old[i]] = to_id<VertId>(i);
+
+  // Tetrahedra follow their lowest vertex: by counting sort, as that order is along the curve, too.
+  std::vector<std::int32_t> first(new2old.size() + 1, 0);
+  std::size_t live_tets = 0;
+  const auto lowest = [&](TetId t) {
+    const auto& v = m.tet2vert[t];
+    return idx(std::min({old2new[v[0]], old2new[v[1]], old2new[v[2]], old2new[v[3]]}));
+  };
+  for (const TetId t : IdRange<TetId>(nt)) {
+    if (!m.is_live(t)) continue;
+    ++live_tets;
+    ++first[lowest(t) + 1];
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<TetId> tet_new2old(live_tets);
+  IdVector<TetId, TetId> tet_old2new(nt, kNoTet);
+  for (const TetId t : IdRange<TetId>(nt)) {
+    if (!m.is_live(t)) continue;
+    const auto at = static_cast<std::size_t>(first[lowest(t)]++);
+    tet_new2old[at] = t;
+    tet_old2new[t] = to_id<TetId>(at);
+  }
+
+  gather(m.coords, new2old);
+  gather(m.vert_ref, new2old);
+  gather(m.vert_flags, new2old);
+  gather(m.vert2tet, new2old);
+  for (auto& t : m.vert2tet) t = tet_old2new[t];
+  gather(m.tet2vert, tet_new2old);
+  gather(m.tet2face, tet_new2old);
+  gather(m.face_tag, tet_new2old);
+  gather(m.tet_ref, tet_new2old);
+  for (auto& tv : m.tet2vert) {
+    for (auto& v : tv) v = old2new[v];
+  }
+  for (auto& tf : m.tet2face) {
+    for (auto& f : tf) {
+      if (f != kNoFace) f = make_face(tet_old2new[face_tet(f)], face_side(f));
+    }
+  }
+  FeatureEdges features;
+  for (const auto& e : m.features.list()) features.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
+  m.features = std::move(features);
+  return old2new;
+}
+
+}  // namespace skein

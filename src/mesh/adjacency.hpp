@@ -1,0 +1,18 @@
+// Adjacency of tetrahedra over their faces, and what follows from it.
+#pragma once
+#include "mesh/tet_mesh.hpp"
+
+namespace skein {
+
+/// Sets tet2face from tet2vert: faces with the same three vertices are neighbours; the others get kNoFace. Sets
+/// vert2tet, too. face_tag is left as it is. Throws Error(kInvalidMesh) when a face has more than two tetrahedra (with
+/// their numbers).
+/// @pre no free tetrahedra.
+void build_adjacency(TetMesh& mesh);
+/// Sets kSurface, kRidge on vertices from face_tag and features (other bits stay).
+void mark_boundary_vertices(TetMesh& mesh);
+/// Removes free slots and renumbers vertices and tetrahedra along the Hilbert curve. Returns old vertex -> new vertex
+/// (kNoVert for free ones).
+IdVector<VertId, VertId> compact(TetMesh& mesh);
+
+}  // namespace skein

@@ -1,0 +1,80 @@
+// Open-addressing hash set of feature edges: linear probing, erasure by shifting back.
+#include "mesh/feature_edges.hpp"
+
+#include <algorithm>
+
+namespace skein {
+namespace {
+std::uint64_t mix(VertId a, VertId b) noexcept {
+  std::uint64_t k = static_cast<std::uint64_t>(num(a)) << 32 | static_cast<std::uint32_t>(num(b));
+  k *= 0x9e3779b97f4a7c15ULL;
+  return k ^ (k >> 29);
+}
+}  // namespace
+
+std::size_t FeatureEdges::slot(VertId a, VertId b) const noexcept {
+  const std::size_t mask = table_.size() - 1;
+  std::size_t s = mix(a, b) & mask;
+  while (table_[s] >= 0) {
+    const auto& e = list_[static_cast<std::size_t>(table_[s])];
+    if (e.a == a && e.b == b) break;
+    s = (s + 1) & mask;
+  }
+  return s;
+}
+
+const FeatureEdge* FeatureEdges::find(VertId a, VertId b) const noexcept {
+  if (list_.empty()) return nullptr;
+  if (b < a) std::swap(a, b);
+  const auto at = table_[slot(a, b)];
+  return at < 0 ? nullptr : &list_[static_cast<std::size_t>(at)];
+}
+
+void FeatureEdges::rehash(std::size_t capacity) {
+  table_.assign(capacity, -1);
+  for (std::size_t i = 0; i < list_.size(); ++i) table_[slot(list_[i].a, list_[i].b)] = static_cast<std::int32_t>(i);
+}
+
+void FeatureEdges::insert(VertId a, VertId b, std::int32_t ref, bool ridge) {
+  if (b < a) std::swap(a, b);
+  if (2 * (list_.size() + 1) > table_.size()) rehash(std::max<std::size_t>(16, 2 * table_.size()));
+  const std::size_t s = slot(a, b);
+  if (table_[s] >= 0) {
+    list_[static_cast<std::size_t>(table_[s])] = {a, b, ref, ridge};
+    return;
+  }
+  table_[s] = static_cast<std::int32_t>(list_.size());
+  list_.push_back({a, b, ref, ridge});
+}
+
+void FeatureEdges::erase(VertId a, VertId b) noexcept {
+  if (list_.empty()) return;
+  if (b < a) std::swap(a, b);
+  const std::size_t mask = table_.size() - 1;
+  std::size_t hole = slot(a, b);
+  if (table_[hole] < 0) return;
+  const auto gone = static_cast<std::size_t>(table_[hole]);
+  table_[hole] = -1;
+  for (std::size_t s = (hole + 1) & mask; table_[s] >= 0; s = (s + 1) & mask) {
+    const auto& e = list_[static_cast<std::size_t>(table_[s])];
+    const std::size_t home = mix(e.a, e.b) & mask;
+    if (((s - home) & mask) >= ((s - hole) & mask)) {
+      table_[hole] = table_[s];
+      table_[s] = -1;
+      hole = s;
+    }
+  }
+  if (gone + 1 < list_.size()) {
+    const auto last = list_.back();
+    table_[slot(last.a, last.b)] = static_cast<std::int32_t>(gone);
+    list_[gone] = last;
+  }
+  list_.pop_back();
+}
+
+void FeatureEdges::clear() noexcept {
+  list_.clear();
+  table_.clear();
+}
+
+}  // namespace skein

@@ -1,0 +1,18 @@
+// Positions along a 3D Hilbert curve: points near on the curve are near in space.
+#pragma once
+#include <cstdint>
+
+#include "mesh/vec3.hpp"
+
+namespace skein {
+
+/// Axis-parallel box.
+struct Box {
+  Vec3 low, high;
+};
+
+/// Position of x on the Hilbert curve through the box: 63 bits, 21 per axis. Points outside are moved to its border.
+/// (J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707, 2004: transposed form by bit operations.)
+std::uint64_t hilbert_key(Vec3 x, const Box& box) noexcept;
+
+}  // namespace skein
