@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""Plants violations in a copy of a tiny tree and sees that check_rules.py catches each, and passes the clean tree."""
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+CHECKER = Path(sys.argv[1]).resolve()
+
+CLEAN = {
+    "comm/comm.cpp": '#include <mpi.h>\n#include "mesh/ids.hpp"\nint f() { return MPI_Finalize(); }\n',
+    "src/mesh/ids.hpp": "#pragma once\n// MPI_Init is only spoken of here.\n",
+    "src/metric/tensor.hpp": '#pragma once\n#include "mesh/ids.hpp"\nconst char* s = "MPI_Init";\n',
+    "src/app/main.cpp": '#include "adapt/adapt.hpp"\n#include "generate/generate.hpp"\n',
+    "partition/dist_mesh.hpp": '#pragma once\n#include "comm/comm.hpp"\n#include "metric/tensor.hpp"\n',
+}
+# name of the case: (file, text, what the checker must say)
+PLANTED = {
+    "mpi.h outside comm": ("src/kernel/cavity.cpp", "#include <mpi.h>\n", "<mpi.h> is included outside comm/"),
+    "MPI call outside comm": ("partition/part.cpp", "void f() { MPI_Barrier(c); }\n", "MPI_Barrier is used"),
+    "MPI in an example": ("examples/a/field.cpp", "#include <mpi.h>\n", "<mpi.h> is included outside comm/"),
+    "mesh includes metric": ("src/mesh/a.cpp", '#include "metric/tensor.hpp"\n', "mesh must not include metric"),
+    "kernel includes comm": ("src/kernel/a.hpp", '#pragma once\n#include "comm/comm.hpp"\n', "kernel must not include comm"),
+    "partition includes adapt": ("partition/a.cpp", '#include "adapt/adapt.hpp"\n', "partition must not include adapt"),
+    "include by src/": ("src/metric/a.cpp", '#include "src/io/mesh_io.hpp"\n', "metric must not include io"),
+    "climbing include": ("src/metric/a.cpp", '#include "../mesh/ids.hpp"\n', "write the path from the root"),
+    "no pragma once": ("src/metric/a.hpp", "int a;\n", "needs #pragma once"),
+    "foreign path": ("docs/a.md", "see /ho" + "me/me/notes\n", "names a path of one machine"),
+}
+
+
+def run(root):
+    done = subprocess.run([sys.executable, CHECKER, root], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+def plant(root, files):
+    for name, text in files.items():
+        path = Path(root, name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+def main():
+    failures = []
+    with tempfile.TemporaryDirectory() as root:
+        plant(root, CLEAN)
+        code, out = run(root)
+        if code != 0:
+            failures.append(f"the clean tree is refused:\n{out}")
+    for case, (name, text, expected) in PLANTED.items():
+        with tempfile.TemporaryDirectory() as root:
+            plant(root, CLEAN | {name: text})
+            code, out = run(root)
+            if code != 1 or f"{name}:" not in out or expected not in out:
+                failures.append(f"'{case}' is not caught (exit code {code}):\n{out}")
+    with tempfile.TemporaryDirectory() as root:
+        if run(root)[0] == 0:
+            failures.append("an empty tree passes")
+    print("\n".join(failures) or f"all {len(PLANTED)} planted violations are caught")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
