@@ -1,0 +1,169 @@
+// Judging and committing cavities.
+#include "kernel/cavity.hpp"
+
+#include <algorithm>
+
+#include "mesh/predicates.hpp"
+
+namespace skein {
+
+Cavity::Cavity(Part& part) : part_(&part), table_(1024), table_mask_(table_.size() - 1) {
+  old_.reserve(256);
+  fresh_.reserve(256);
+  slots_.reserve(256);
+  walls_.reserve(64);
+}
+
+void Cavity::clear() noexcept {
+  old_.clear();
+  clear_new();
+  stamp_ = ++part_->tet_stamp;
+}
+
+void Cavity::add(TetId t) {
+  part_->tet_mark[t] = stamp_;
+  old_.push_back(t);
+}
+
+void Cavity::remove_at(std::size_t i) noexcept {
+  part_->tet_mark[old_[i]] = 0;
+  old_[i] = old_.back();
+  old_.pop_back();
+}
+
+void Cavity::clear_new() noexcept {
+  fresh_.clear();
+  walls_.clear();
+  new_min_ = 1;
+}
+
+bool Cavity::propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3) {
+  const auto& x = part_->mesh.coords;
+  const auto& m = part_->metric.at;
+  const double q3 = quality_cubed(x[a], x[b], x[c], x[d], m[a], m[b], m[c], m[d]);
+  if (!(q3 > floor_q3) || orient3d_sign(x[a], x[b], x[c], x[d]) <= 0) return false;
+  new_min_ = std::min(new_min_, q3);
+  fresh_.push_back({{a, b, c, d}, ref, static_cast<float>(q3)});
+  return true;
+}
+
+void Cavity::wall(VertId a, VertId b, VertId c, FaceTag tag) { walls_.push_back({a, b, c, tag}); }
+
+double Cavity::old_min_q3() const noexcept {
+  float q = 1;
+  for (const TetId t : old_) q = std::min(q, part_->q3[t]);
+  return q;
+}
+
+Cavity::Entry& Cavity::lookup(VertId a, VertId b, VertId c) noexcept {
+  if (b < a) std::swap(a, b);
+  if (c < b) std::swap(b, c);
+  if (b < a) std::swap(a, b);
+  std::uint64_t h = static_cast<std::uint64_t>(num(a)) * 0x9e3779b97f4a7c15ULL;
+  h = (h ^ static_cast<std::uint64_t>(num(b))) * 0xbf58476d1ce4e5b9ULL;
+  h = (h ^ static_cast<std::uint64_t>(num(c))) * 0x94d049bb133111ebULL;
+  std::size_t s = (h >> 40) & table_mask_;
+  for (;; s = (s + 1) & table_mask_) {
+    Entry& e = table_[s];
+    if (e.stamp != table_stamp_) {
+      e = {a, b, c, 0, kNoFace, 0, false};
+      return e;  // stamp 0: not there yet
+    }
+    if (e.a == a && e.b == b && e.c == c) return e;
+  }
+}
+
+void Cavity::enter_outer_faces() {
+  const TetMesh& m = part_->mesh;
+  for (const TetId t : old_) {
+    for (int f = 0; f < 4; ++f) {
+      const auto s = static_cast<std::size_t>(f);
+      const FaceId nb = m.tet2face[t][s];
+      if (nb != kNoFace && contains(face_tet(nb))) continue;
+      const auto v = face_verts(m, make_face(t, f));
+      Entry& e = lookup(v[0], v[1], v[2]);
+      e.stamp = table_stamp_;
+      e.face = nb;
+      e.tag = m.face_tag[t][s];
+      e.open = false;
+    }
+  }
+  for (const Wall& w : walls_) {
+    Entry& e = lookup(w.a, w.b, w.c);
+    e.stamp = table_stamp_;
+    e.face = kNoFace;
+    e.tag = w.tag;
+    e.open = true;
+  }
+}
+
+TetId Cavity::take_slot(std::size_t i) {
+  if (i < old_.size()) return old_[i];
+  Part& p = *part_;
+  if (!p.free_tets.empty()) {
+    const TetId t = p.free_tets.back();
+    p.free_tets.pop_back();
+    return t;
+  }
+  p.mesh.tet2vert.push_back({kNoVert, kNoVert, kNoVert, kNoVert});
+  p.mesh.tet2face.push_back({});
+  p.mesh.face_tag.push_back({});
+  p.mesh.tet_ref.push_back(0);
+  p.q3.push_back(0);
+  return p.tet_mark.push_back(0);
+}
+
+void Cavity::link(TetId t) {
+  TetMesh& m = part_->mesh;
+  for (int f = 0; f < 4; ++f) {
+    const auto s = static_cast<std::size_t>(f);
+    const FaceId me = make_face(t, f);
+    const auto v = face_verts(m, me);
+    Entry& e = lookup(v[0], v[1], v[2]);
+    if (e.stamp != table_stamp_) {  // first side of an inner face
+      e.stamp = table_stamp_;
+      e.open = true;
+      e.face = me;
+      m.tet2face[t][s] = kNoFace;
+      m.face_tag[t][s] = 0;
+      continue;
+    }
+    m.face_tag[t][s] = e.tag;
+    m.tet2face[t][s] = e.face;
+    if (e.face != kNoFace) {
+      m.tet2face[face_tet(e.face)][static_cast<std::size_t>(face_side(e.face))] = me;
+    } else if (e.open) {  // first side of a wall
+      e.face = me;
+    }
+  }
+}
+
+void Cavity::commit() {
+  Part& p = *part_;
+  TetMesh& m = p.mesh;
+  if (2 * (4 * fresh_.size() + 4 * old_.size() + walls_.size()) > table_.size()) {
+    table_.assign(2 * table_.size(), Entry{});
+    table_mask_ = table_.size() - 1;
+    table_stamp_ = 0;
+  }
+  ++table_stamp_;
+  enter_outer_faces();
+  for (const TetId t : old_) p.tet_mark[t] = 0;
+  slots_.clear();
+  for (std::size_t i = 0; i < fresh_.size(); ++i) {
+    const TetId t = take_slot(i);
+    slots_.push_back(t);
+    m.tet2vert[t] = fresh_[i].v;
+    m.tet_ref[t] = fresh_[i].ref;
+    p.q3[t] = fresh_[i].q3;
+    for (const VertId v : fresh_[i].v) m.vert2tet[v] = t;
+  }
+  for (const TetId t : slots_) link(t);
+  for (std::size_t i = fresh_.size(); i < old_.size(); ++i) {
+    m.tet2vert[old_[i]] = {kNoVert, kNoVert, kNoVert, kNoVert};
+    p.free_tets.push_back(old_[i]);
+  }
+  p.changed.insert(p.changed.end(), slots_.begin(), slots_.end());
+}
+
+}  // namespace skein

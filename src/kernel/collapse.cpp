@@ -1,0 +1,168 @@
+// Removal of a vertex: a neighbour is reinserted into its ball.
+#include "kernel/collapse.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace skein {
+
+bool Collapser::may_leave(VertId v, VertId u) const noexcept {
+  const TetMesh& m = part_->mesh;
+  if (m.has(v, kFrozen | kCorner | kRequired)) return false;
+  if (m.has(v, kSurface | kRidge) && !part_->options.surface) return false;
+  if (m.has(v, kRidge)) return m.has(u, kRidge | kCorner) && m.features.find(v, u) != nullptr;
+  if (m.has(v, kSurface)) return m.has(u, kSurface);
+  return true;
+}
+
+void Collapser::collect_facets(VertId v) {
+  const TetMesh& m = part_->mesh;
+  facets_.clear();
+  for (const TetId t : cavity_->old_tets()) {
+    for (int f = 0; f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
+      if (tag == 0 || m.tet2vert[t][static_cast<std::size_t>(f)] == v) continue;
+      auto k = face_verts(m, make_face(t, f));
+      while (k[0] != v) std::rotate(k.begin(), k.begin() + 1, k.end());
+      // An internal face is met from both sides; keep one.
+      const FaceId nb = m.tet2face[t][static_cast<std::size_t>(f)];
+      if (nb != kNoFace && num(face_tet(nb)) < num(t)) continue;
+      facets_.push_back({k[1], k[2], tag});
+    }
+  }
+}
+
+bool Collapser::ridge_allows(VertId v, VertId u) {
+  const TetMesh& m = part_->mesh;
+  // The other end of the ridge at v: the new ridge edge (u, w) must pass close to v.
+  for (const Facet& f : facets_) {
+    for (const VertId w : {f.x, f.y}) {
+      if (w == u || !m.has(w, kRidge | kCorner) || m.features.find(v, w) == nullptr) continue;
+      const Vec3 e = part_->x(w) - part_->x(u), d = part_->x(v) - part_->x(u);
+      const double l2 = dot(e, e);
+      if (!(l2 > 0) || dot(d, e) <= 0 || dot(d, e) >= l2) return false;
+      if (norm(cross(e, d)) > part_->options.surface_deviation * l2) return false;
+    }
+  }
+  return true;
+}
+
+bool Collapser::surface_allows(VertId v, VertId u) {
+  const TetMesh& m = part_->mesh;
+  int at_edge = 0;
+  const double min_dot = std::cos(part_->options.surface_angle * std::numbers::pi / 180);
+  bool near = false, flat = true;
+  for (const Facet& f : facets_) {
+    if ((f.tag & kRequiredFace) != 0) return false;
+    if (f.x == u || f.y == u) {
+      ++at_edge;
+      continue;
+    }
+    const Vec3 xv = part_->x(v), xu = part_->x(u), xx = part_->x(f.x), xy = part_->x(f.y);
+    const Vec3 was = cross(xx - xv, xy - xv), is = cross(xx - xu, xy - xu);
+    const double lw = norm(was), li = norm(is);
+    if (!(dot(was, is) > min_dot * lw * li) || !(li > 0)) return false;
+    const double height = std::abs(dot(is, xv - xu)) / li;  // of v over the new facet's plane
+    const double size = std::max(norm(xx - xu), norm(xy - xu));
+    if (height <= part_->options.surface_deviation * size) near = true;
+    if (height > 1e-9 * size) flat = false;
+  }
+  if (at_edge == 0) return false;  // (v, u) is no edge of the surface
+  if (!near && !flat) return false;
+  // Link condition on the surface: v and u have no common neighbours but the apexes of the facets at (v, u).
+  const std::uint32_t stamp = ++part_->vert_stamp;
+  for (const Facet& f : facets_) {
+    if (f.x != u) part_->vert_mark[f.x] = stamp;
+    if (f.y != u) part_->vert_mark[f.y] = stamp;
+  }
+  for (const Facet& f : facets_) {
+    if (f.x == u) part_->vert_mark[f.y] = 0;
+    if (f.y == u) part_->vert_mark[f.x] = 0;
+  }
+  const std::uint32_t keep = part_->tet_stamp;
+  ball_u_.clear();
+  const bool all = gather_ball(*part_, u, ball_u_);
+  bool ok = all;
+  for (const TetId t : ball_u_) {
+    if (!ok) break;
+    for (int f = 0; f < 4 && ok; ++f) {
+      if (m.face_tag[t][static_cast<std::size_t>(f)] == 0) continue;
+      if (m.tet2vert[t][static_cast<std::size_t>(f)] == u) continue;
+      for (const VertId w : face_verts(m, make_face(t, f))) {
+        if (w != u && w != v && part_->vert_mark[w] == stamp) ok = false;
+      }
+    }
+  }
+  // Restore the cavity's marks that gather_ball has overwritten.
+  for (const TetId t : cavity_->old_tets()) part_->tet_mark[t] = keep;
+  return ok;
+}
+
+bool Collapser::lengths_allow(VertId u, double max_length) {
+  const TetMesh& m = part_->mesh;
+  const std::uint32_t stamp = ++part_->vert_stamp;
+  for (const TetId t : cavity_->old_tets()) {
+    if (!has_vertex(m.tet2vert[t], u)) continue;
+    for (const VertId w : m.tet2vert[t]) part_->vert_mark[w] = stamp;  // neighbours of u already
+  }
+  for (const TetId t : cavity_->old_tets()) {
+    for (const VertId w : m.tet2vert[t]) {
+      if (part_->vert_mark[w] == stamp) continue;
+      part_->vert_mark[w] = stamp;
+      if (part_->length(u, w) > max_length) return false;
+    }
+  }
+  return true;
+}
+
+bool Collapser::cone(VertId v, VertId u, double floor_q3) {
+  const TetMesh& m = part_->mesh;
+  cavity_->clear_new();
+  for (const TetId t : cavity_->old_tets()) {
+    const auto& tv = m.tet2vert[t];
+    if (has_vertex(tv, u)) continue;
+    // The only outer face that is coned is the one opposite v; faces at v are inner ones or walls.
+    const auto k = face_verts(m, make_face(t, local_index(tv, v)));
+    if (!cavity_->propose(u, k[0], k[1], k[2], m.tet_ref[t], floor_q3)) return false;
+  }
+  return true;
+}
+
+void Collapser::move_features(VertId v, VertId u) {
+  TetMesh& m = part_->mesh;
+  for (const Facet& f : facets_) {
+    for (const VertId w : {f.x, f.y}) {
+      const FeatureEdge* e = m.features.find(v, w);
+      if (e == nullptr) continue;
+      const FeatureEdge old = *e;
+      m.features.erase(v, w);
+      if (w != u && m.features.find(u, w) == nullptr) m.features.insert(u, w, old.ref, old.ridge);
+    }
+  }
+}
+
+bool Collapser::collapse(VertId v, VertId u, double max_length, double floor_q3) {
+  if (!may_leave(v, u)) return false;
+  TetMesh& m = part_->mesh;
+  cavity_->clear();
+  if (!gather_ball(*part_, v, cavity_->old_tets(), 200)) return false;
+  cavity_->adopt_stamp();
+  if (!lengths_allow(u, max_length)) return false;
+  const bool surface = m.has(v, kSurface);
+  if (surface) collect_facets(v);
+  if (!cone(v, u, std::min(floor_q3, 0.5 * cavity_->old_min_q3()))) return false;
+  if (surface) {
+    if (!surface_allows(v, u)) return false;
+    if (m.has(v, kRidge) && !ridge_allows(v, u)) return false;
+    for (const Facet& f : facets_) {
+      if (f.x != u && f.y != u) cavity_->wall(u, f.x, f.y, f.tag);
+    }
+    if (m.has(v, kRidge)) move_features(v, u);
+  }
+  cavity_->commit();
+  drop_vertex(*part_, v);
+  ++part_->counts.collapse;
+  return true;
+}
+
+}  // namespace skein

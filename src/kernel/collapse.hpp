@@ -1,0 +1,38 @@
+// Removal of a vertex: a neighbour is reinserted into its ball.
+#pragma once
+#include <vector>
+
+#include "kernel/cavity.hpp"
+#include "kernel/shell.hpp"
+
+namespace skein {
+
+/// Collapses vertex v onto its neighbour u: the ball of v is coned from u. Refused when v may not go (corner, required,
+/// frozen), when a ridge vertex would leave its ridge or a surface vertex its patch, when an element falls below the
+/// floor, a new edge gets longer than `max_length`, or a curved surface would change too much.
+class Collapser {
+ public:
+  Collapser(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
+  bool collapse(VertId v, VertId u, double max_length, double floor_q3);
+
+ private:
+  struct Facet {
+    VertId x, y;  ///< triangle (v, x, y), counter-clockwise from outside
+    FaceTag tag;
+  };
+  [[nodiscard]] bool may_leave(VertId v, VertId u) const noexcept;
+  void collect_facets(VertId v);
+  [[nodiscard]] bool surface_allows(VertId v, VertId u);
+  [[nodiscard]] bool ridge_allows(VertId v, VertId u);
+  [[nodiscard]] bool lengths_allow(VertId u, double max_length);
+  bool cone(VertId v, VertId u, double floor_q3);
+  void move_features(VertId v, VertId u);
+
+  Part* part_;
+  Cavity* cavity_;
+  std::vector<Facet> facets_;
+  std::vector<TetId> ball_u_;
+  std::vector<VertId> link_;
+};
+
+}  // namespace skein

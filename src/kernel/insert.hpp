@@ -1,0 +1,40 @@
+// Insertion of points as Delaunay cavities in the metric.
+#pragma once
+#include <vector>
+
+#include "kernel/cavity.hpp"
+#include "kernel/shell.hpp"
+
+namespace skein {
+
+enum class InsertResult { kDone, kTooClose, kRefused };
+
+/// Inserts points: the cavity starts from what contains the point, grows by the empty-sphere test in the new point's
+/// metric (never through tagged faces), shrinks until it is star-shaped with elements above a quality floor, and is
+/// coned. Sources: Bowyer-Watson cavities as in the chapter [35.2.3.2]; metric test after George & Borouchaki.
+class Inserter {
+ public:
+  Inserter(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
+
+  /// A point on edge (a, b) of t at a + s (b - a). Surface and feature edges are split as such; edges on the interface
+  /// are refused.
+  InsertResult on_edge(TetId t, VertId a, VertId b, double s);
+  /// A point inside tetrahedron t (its barycentric weights positive), not nearer than `exclusion` (metric length) to
+  /// any vertex of the cavity.
+  InsertResult inside(TetId t, const std::array<double, 4>& weight, double exclusion);
+
+ private:
+  InsertResult insert(VertId p, std::size_t seeds, double min_length);
+  void grow(VertId p);
+  bool shrink_and_cone(VertId p, std::size_t seeds, double floor_q3);
+  [[nodiscard]] bool too_close(VertId p, double min_length);
+  [[nodiscard]] bool loses_vertex(VertId p);
+  [[nodiscard]] bool is_split_face(FaceId f) const noexcept;
+
+  Part* part_;
+  Cavity* cavity_;
+  Shell shell_;
+  bool on_edge_ = false;
+};
+
+}  // namespace skein

@@ -1,0 +1,72 @@
+// Set-up of a part, and its vertices.
+#include "kernel/part.hpp"
+
+namespace skein {
+
+double quality_cubed(const Part& p, TetId t) noexcept {
+  const auto& v = p.mesh.tet2vert[t];
+  const auto& x = p.mesh.coords;
+  const auto& m = p.metric.at;
+  return quality_cubed(x[v[0]], x[v[1]], x[v[2]], x[v[3]], m[v[0]], m[v[1]], m[v[2]], m[v[3]]);
+}
+
+void prepare(Part& p) {
+  const std::size_t nt = p.mesh.tet_slots();
+  p.q3.resize(nt);
+  p.tet_mark.assign(nt, 0);
+  p.vert_mark.assign(p.mesh.vert_slots(), 0);
+  p.tet_stamp = p.vert_stamp = 0;
+  p.free_tets.clear();
+  p.free_verts.clear();
+  p.changed.clear();
+  for (const TetId t : IdRange<TetId>(nt)) {
+    if (p.mesh.is_live(t)) {
+      p.q3[t] = static_cast<float>(quality_cubed(p, t));
+    } else {
+      p.free_tets.push_back(t);
+    }
+  }
+}
+
+namespace {
+SymTensor with_spacing(const Part& p, Vec3 x, const SymTensor& log_m) noexcept {
+  if (p.spacing == nullptr) return log_m;
+  const double h = p.spacing->at(x);
+  const SymTensor m = exp(log_m), want = isotropic(1 / (h * h));
+  // Isotropic metrics are intersected by taking the larger one; only true anisotropy needs the reduction.
+  if (std::abs(m.xy) + std::abs(m.xz) + std::abs(m.yz) + std::abs(m.xx - m.yy) + std::abs(m.xx - m.zz) < 1e-9 * m.xx) {
+    return m.xx >= want.xx ? log_m : isotropic(std::log(want.xx));
+  }
+  return log(intersect(m, want));
+}
+}  // namespace
+
+VertId new_vertex(Part& p, Vec3 x, const SymTensor& log_m, std::uint8_t flags) {
+  const SymTensor l = with_spacing(p, x, log_m);
+  TetMesh& m = p.mesh;
+  const auto f = static_cast<std::uint8_t>(flags | kActive);
+  if (!p.free_verts.empty()) {
+    const VertId v = p.free_verts.back();
+    p.free_verts.pop_back();
+    m.coords[v] = x;
+    m.vert_ref[v] = 0;
+    m.vert_flags[v] = f;
+    m.vert2tet[v] = kNoTet;
+    p.metric.set_log(v, l);
+    return v;
+  }
+  m.coords.push_back(x);
+  m.vert_ref.push_back(0);
+  m.vert_flags.push_back(f);
+  m.vert2tet.push_back(kNoTet);
+  p.metric.push_back_log(l);
+  return p.vert_mark.push_back(0);
+}
+
+void drop_vertex(Part& p, VertId v) {
+  p.mesh.vert2tet[v] = kNoTet;
+  p.mesh.vert_flags[v] = 0;
+  p.free_verts.push_back(v);
+}
+
+}  // namespace skein

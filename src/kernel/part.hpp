@@ -1,0 +1,85 @@
+// Part: one worker's mesh with its metric, cached qualities and scratch memory. One part, no MPI, no threads.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "mesh/tet_mesh.hpp"
+#include "metric/metric_field.hpp"
+#include "metric/spacing.hpp"
+
+namespace skein {
+
+/// How the kernel's passes are driven; lengths are metric, qualities are Q (not cubed).
+struct KernelOptions {
+  bool centroid_points = false;       ///< create points at centroids with exclusion zones instead of along edges
+  bool surface = true;                ///< tagged faces may change
+  double split_above = 1.4142135623;  ///< edges longer than this get points
+  double collapse_below = 0.7071067;  ///< edges shorter than this lose an end
+  double length_min_new = 0.6;        ///< no new point closer than this to another
+  double surface_angle = 15;          ///< degrees a surface operation may turn a normal of a curved patch
+  double surface_deviation = 0.01;    ///< relative to the edge: how far it may leave the old facets
+};
+
+/// What a part has done.
+struct OperationCounts {
+  std::int64_t insert = 0, collapse = 0, swap = 0, smooth = 0;
+  OperationCounts& operator+=(const OperationCounts& o) noexcept {
+    insert += o.insert;
+    collapse += o.collapse;
+    swap += o.swap;
+    smooth += o.smooth;
+    return *this;
+  }
+};
+
+/// A part of the mesh and all that a worker needs to change it. Vertices carry kActive where work is wanted, and
+/// kFrozen on the interface to other parts.
+struct Part {
+  TetMesh mesh;
+  MetricField metric;
+  const SpacingField* spacing = nullptr;  ///< not owned; intersected into the metric of every new vertex
+  KernelOptions options;
+  OperationCounts counts;
+
+  // Kept by Cavity and the operators.
+  IdVector<TetId, float> q3;                ///< quality_cubed of every tetrahedron
+  IdVector<TetId, std::uint32_t> tet_mark;  ///< equal to the current stamp: in the set at hand
+  IdVector<VertId, std::uint32_t> vert_mark;
+  std::uint32_t tet_stamp = 0, vert_stamp = 0;
+  std::vector<TetId> free_tets;
+  std::vector<VertId> free_verts;
+  std::vector<TetId> changed;  ///< tetrahedra that commits have made, for the queues (may hold dead ones)
+
+  [[nodiscard]] Vec3 x(VertId v) const noexcept { return mesh.coords[v]; }
+  [[nodiscard]] double length(VertId a, VertId b) const noexcept {
+    return edge_length(metric.at[a].m, metric.at[b].m, x(b) - x(a));
+  }
+  [[nodiscard]] bool active(TetId t) const noexcept {
+    const auto& v = mesh.tet2vert[t];
+    return ((mesh.vert_flags[v[0]] | mesh.vert_flags[v[1]] | mesh.vert_flags[v[2]] | mesh.vert_flags[v[3]]) &
+            kActive) != 0;
+  }
+};
+
+/// Sizes the caches to the mesh and computes all qualities. @pre mesh has adjacency; metric has a value per vertex.
+void prepare(Part& part);
+/// quality_cubed of a live tetrahedron, computed afresh.
+double quality_cubed(const Part& part, TetId t) noexcept;
+/// A vertex slot (recycled or new) with this position and log-metric, flagged kActive; not yet in any tetrahedron.
+/// The spacing field is intersected in.
+VertId new_vertex(Part& part, Vec3 x, const SymTensor& log_m, std::uint8_t flags);
+/// Gives a vertex slot back. @pre no live tetrahedron has it.
+void drop_vertex(Part& part, VertId v);
+
+/// Position of vertex v in its tetrahedron. @pre it is there.
+constexpr int local_index(const std::array<VertId, 4>& tv, VertId v) noexcept {
+  return static_cast<int>(tv[1] == v) + 2 * static_cast<int>(tv[2] == v) + 3 * static_cast<int>(tv[3] == v);
+}
+constexpr bool has_vertex(const std::array<VertId, 4>& tv, VertId v) noexcept {
+  return tv[0] == v || tv[1] == v || tv[2] == v || tv[3] == v;
+}
+
+}  // namespace skein

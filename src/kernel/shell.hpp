@@ -1,0 +1,35 @@
+// The tetrahedra round an edge (its shell) and round a vertex (its ball).
+#pragma once
+#include <array>
+
+#include "kernel/part.hpp"
+
+namespace skein {
+
+/// The two other vertices of each edge of kEdgeVerts, so that (edge, opposite) is an even permutation.
+inline constexpr std::array<std::array<int, 2>, 6> kEdgeOpposite{{{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
+
+/// The tetrahedra round edge (a, b) in order: tet[i] = (a, b, ring[i], ring[i+1]), positively oriented. A closed shell
+/// has n ring vertices (ring[n] == ring[0]), an open one n+1, its first and last face being without a neighbour.
+struct Shell {
+  static constexpr int kMax = 48;
+  VertId a, b;
+  int n = 0;
+  bool closed = false;
+  bool on_interface = false;  ///< an end face is not on the hull: the edge is shared with another part
+  std::array<TetId, kMax> tet;
+  std::array<VertId, kMax + 1> ring;
+  std::array<FaceTag, kMax + 1> tag;  ///< of the faces (a, b, ring[i])
+  /// Ring vertices without repeating the first.
+  [[nodiscard]] int ring_size() const noexcept { return closed ? n : n + 1; }
+  [[nodiscard]] int tagged_faces() const noexcept;
+};
+
+/// Fills the shell of the edge (a, b) of t. False when it has more than Shell::kMax tetrahedra.
+bool gather_shell(const TetMesh& mesh, TetId t, VertId a, VertId b, Shell& shell) noexcept;
+
+/// Appends the tetrahedra at v to `ball`, marking them with a new stamp (Part::tet_stamp). False when there are more
+/// than `max`.
+bool gather_ball(Part& part, VertId v, std::vector<TetId>& ball, std::size_t max = 1000);
+
+}  // namespace skein

@@ -1,0 +1,118 @@
+// Edge swapping over the skew polygon (dynamic programming) and face swapping.
+#include "kernel/swap.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace skein {
+namespace {
+constexpr std::size_t u(int i) noexcept { return static_cast<std::size_t>(i); }
+}  // namespace
+
+bool Swapper::surface_swap_allowed() {
+  const TetMesh& m = part_->mesh;
+  const FaceTag first = shell_.tag[0], last = shell_.tag[u(shell_.n)];
+  if (shell_.n < 2 || first != last || (first & kRequiredFace) != 0 || !part_->options.surface) return false;
+  const VertId a = shell_.a, b = shell_.b;
+  if (m.has(a, kRidge) && m.has(b, kRidge) && m.features.find(a, b) != nullptr) return false;
+  const Vec3 xa = part_->x(a), xb = part_->x(b), x0 = part_->x(shell_.ring[0]), x1 = part_->x(shell_.ring[u(shell_.n)]);
+  // Outward normals of the two old and the two new triangles. ring[0] .. ring[n] turns counter-clockwise seen from b,
+  // with the domain between; outside of the first face is a, b reversed.
+  const Vec3 old0 = cross(xb - xa, x0 - xa), old1 = cross(x1 - xa, xb - xa);
+  const Vec3 new0 = cross(x1 - xa, x0 - xa), new1 = cross(x0 - xb, x1 - xb);
+  const double min_dot = std::cos(part_->options.surface_angle * std::numbers::pi / 180);
+  for (const Vec3& o : {old0, old1}) {
+    for (const Vec3& n : {new0, new1}) {
+      if (!(dot(o, n) > min_dot * norm(o) * norm(n))) return false;
+    }
+  }
+  const Vec3 e = xb - xa;
+  const double height = std::abs(volume6(xa, xb, x0, x1)) / std::max(norm(cross(e, x1 - x0)), 1e-300);
+  return height <= part_->options.surface_deviation * std::min(norm(e), norm(x1 - x0));
+}
+
+double Swapper::best_triangulation(int ring) {
+  const auto& x = part_->mesh.coords;
+  const auto& m = part_->metric.at;
+  const VertId a = shell_.a, b = shell_.b;
+  const auto q = [&](int i, int j, int k) {
+    const VertId p = shell_.ring[u(i)], r = shell_.ring[u(j)], s = shell_.ring[u(k)];
+    const double top = quality_cubed(x[p], x[r], x[s], x[b], m[p], m[r], m[s], m[b]);
+    if (top <= bound_) return top;
+    return std::min(top, quality_cubed(x[p], x[s], x[r], x[a], m[p], m[s], m[r], m[a]));
+  };
+  for (int i = 0; i + 1 < ring; ++i) best_[u(i)][u(i + 1)] = 1;
+  for (int len = 2; len < ring; ++len) {
+    for (int i = 0; i + len < ring; ++i) {
+      const int j = i + len;
+      double best = -1;
+      int at = i + 1;
+      for (int k = i + 1; k < j; ++k) {
+        const double sides = std::min(best_[u(i)][u(k)], best_[u(k)][u(j)]);
+        if (sides <= std::max(best, bound_)) continue;
+        const double w = std::min(sides, q(i, k, j));
+        if (w > best) {
+          best = w;
+          at = k;
+        }
+      }
+      best_[u(i)][u(j)] = best;
+      split_[u(i)][u(j)] = at;
+    }
+  }
+  return best_[0][u(ring - 1)];
+}
+
+bool Swapper::propose_polygon(int i, int j) {
+  if (j - i < 2) return true;
+  const int k = split_[u(i)][u(j)];
+  const VertId p = shell_.ring[u(i)], r = shell_.ring[u(k)], s = shell_.ring[u(j)];
+  const std::int32_t ref = part_->mesh.tet_ref[shell_.tet[0]];
+  return cavity_->propose(p, r, s, shell_.b, ref, bound_) && cavity_->propose(p, s, r, shell_.a, ref, bound_) &&
+         propose_polygon(i, k) && propose_polygon(k, j);
+}
+
+bool Swapper::edge(TetId t, VertId a, VertId b, double gain) {
+  TetMesh& m = part_->mesh;
+  if (m.has(a, kFrozen) && m.has(b, kFrozen)) return false;
+  if (!gather_shell(m, t, a, b, shell_) || shell_.on_interface) return false;
+  const int ring = shell_.ring_size();
+  if (ring > kMaxRing || ring < 3) return false;
+  const int tagged = shell_.tagged_faces();
+  if (shell_.closed ? tagged != 0 : tagged != 2) return false;
+  if (!shell_.closed && !surface_swap_allowed()) return false;
+  cavity_->clear();
+  for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[u(i)]);
+  bound_ = std::max(gain * cavity_->old_min_q3(), 1e-15);
+  if (best_triangulation(ring) <= bound_ || !propose_polygon(0, ring - 1)) return false;
+  if (!shell_.closed) {
+    const VertId r0 = shell_.ring[0], r1 = shell_.ring[u(ring - 1)];
+    cavity_->wall(r0, r1, a, shell_.tag[0]);
+    cavity_->wall(r0, r1, b, shell_.tag[0]);
+  }
+  cavity_->commit();
+  ++part_->counts.swap;
+  return true;
+}
+
+bool Swapper::face(FaceId f, double gain) {
+  const TetMesh& m = part_->mesh;
+  const TetId t = face_tet(f);
+  const FaceId g = m.tet2face[t][u(face_side(f))];
+  if (g == kNoFace || m.face_tag[t][u(face_side(f))] != 0) return false;
+  const VertId d = m.tet2vert[t][u(face_side(f))], e = m.tet2vert[face_tet(g)][u(face_side(g))];
+  cavity_->clear();
+  cavity_->add(t);
+  cavity_->add(face_tet(g));
+  const double bound = std::max(gain * cavity_->old_min_q3(), 1e-15);
+  const auto k = face_verts(m, f);  // outward from t: (d, k0, k1, k2) is positive, e is on the other side
+  const std::int32_t ref = m.tet_ref[t];
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!cavity_->propose(d, k[i], k[(i + 1) % 3], e, ref, bound)) return false;
+  }
+  cavity_->commit();
+  ++part_->counts.swap;
+  return true;
+}
+
+}  // namespace skein

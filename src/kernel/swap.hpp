@@ -1,0 +1,36 @@
+// Edge swapping over the skew polygon (dynamic programming) and face swapping.
+#pragma once
+#include <vector>
+
+#include "kernel/cavity.hpp"
+#include "kernel/shell.hpp"
+
+namespace skein {
+
+/// Swaps that raise the worst quality of the elements they replace.
+class Swapper {
+ public:
+  Swapper(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
+
+  /// Removes edge (a, b) of t by the best triangulation of its skew polygon (Klincsek's dynamic programming: the worst
+  /// new element as good as can be), if that is better than the shell by the factor `gain` in Q^3. Surface edges inside
+  /// one flat patch are swapped with their surface triangles.
+  bool edge(TetId t, VertId a, VertId b, double gain = 1.05);
+  /// Replaces the two tetrahedra at a face by three round a new edge, if that is better.
+  bool face(FaceId f, double gain = 1.05);
+
+ private:
+  static constexpr int kMaxRing = 9;
+  bool surface_swap_allowed();
+  double best_triangulation(int ring);
+  bool propose_polygon(int i, int j);
+
+  Part* part_;
+  Cavity* cavity_;
+  Shell shell_;
+  std::array<std::array<double, kMaxRing>, kMaxRing> best_;
+  std::array<std::array<int, kMaxRing>, kMaxRing> split_;
+  double bound_ = 0;
+};
+
+}  // namespace skein
