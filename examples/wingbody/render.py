@@ -1,0 +1,227 @@
+#!/usr/bin/python3
+"""Draws the wing-body before and after adaptation into one picture, without a screen (start it under xvfb-run).
+
+    render.py BEFORE.meshb BEFORE.solb AFTER.meshb AFTER.solb OUT.png
+
+Left the mesh before, right after. Above: the body and the mesh on the symmetry plane. Below: a cut through the volume that
+follows the tetrahedra, across the wing. Colour: the field of field.cpp (an analytic formula, not a flow solution).
+Needs Debian's python3-vtk9 and python3-numpy.
+"""
+import struct
+import sys
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+VERTICES, TRIANGLES, TETRAHEDRA, SOL_AT_VERTICES, END = 4, 6, 8, 62, 54
+SYMMETRY, FAR_FIELD = 1, 2
+CUT_AT = 6.0  # y of the lower panels
+RANGE = (0.55, 1.45)  # of the colours
+
+
+# ---------------------------------------------------------------------------------------------------- files
+def gmf_sections(path):
+    """Yields (version, keyword, count, file position of what follows the count) of a GMF file."""
+    data = np.memmap(path, np.uint8, mode="r")
+    version = struct.unpack_from("<2i", data, 0)[1]
+    position_type = "<q" if version >= 3 else "<i"
+    count_type = "<q" if version >= 4 else "<i"
+    at = 8
+    while at and at + 4 < len(data):
+        keyword = struct.unpack_from("<i", data, at)[0]
+        following = struct.unpack_from(position_type, data, at + 4)[0]
+        body = at + 4 + struct.calcsize(position_type)
+        if keyword == END:
+            return
+        count = struct.unpack_from(count_type, data, body)[0] if keyword != 3 else 0
+        yield data, version, keyword, count, body + struct.calcsize(count_type)
+        at = following
+
+
+def read_mesh(path):
+    """Coordinates (n, 3), triangles (m, 4) and tetrahedra (k, 4) by vertex number from 0; triangles end with their reference."""
+    found = {}
+    for data, version, keyword, count, at in gmf_sections(path):
+        real, whole = ("<f8" if version >= 2 else "<f4"), ("<i8" if version >= 4 else "<i4")
+        if keyword == VERTICES:
+            row = np.dtype([("x", real, 3), ("ref", whole)])
+            found["coords"] = np.frombuffer(data, row, count, at)["x"].astype(float)
+        elif keyword in (TRIANGLES, TETRAHEDRA):
+            width = 4 if keyword == TRIANGLES else 5
+            rows = np.frombuffer(data, whole, count * width, at).reshape(count, width).astype(np.int64)
+            rows[:, : width - 1] -= 1
+            found[keyword] = rows
+    return found["coords"], found[TRIANGLES], found[TETRAHEDRA][:, :4]
+
+
+def read_scalar(path):
+    for data, version, keyword, count, at in gmf_sections(path):
+        if keyword == SOL_AT_VERTICES:
+            kinds = struct.unpack_from("<i", data, at)[0]
+            return np.frombuffer(data, "<f8" if version >= 2 else "<f4", count, at + 4 + 4 * kinds).astype(float)
+    raise SystemExit(f"{path}: no solution at vertices")
+
+
+# ---------------------------------------------------------------------------------------------------- geometry
+def cut_faces(coords, tets, axis, at, low, high):
+    """The jagged face between the tetrahedra beyond the plane and the others, inside a box."""
+    centre = coords[tets].mean(axis=1)
+    near = np.all((centre > low) & (centre < high), axis=1)
+    tets, beyond = tets[near], centre[near, axis] > at
+    faces = np.concatenate([tets[:, k] for k in ([1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1])])
+    kept = np.tile(beyond, 4)
+    key = np.sort(faces, axis=1)
+    order = np.lexsort(key.T)
+    key, kept, faces = key[order], kept[order], faces[order]
+    pair = np.flatnonzero(np.all(key[1:] == key[:-1], axis=1))
+    pair = pair[kept[pair] != kept[pair + 1]]
+    return np.where(kept[pair][:, None], faces[pair], faces[pair + 1])
+
+
+def poly_data(coords, scalar, faces):
+    used, local = np.unique(faces, return_inverse=True)
+    points = vtk.vtkPoints()
+    points.SetData(numpy_to_vtk(coords[used], deep=True))
+    cells = vtk.vtkCellArray()
+    rows = np.column_stack([np.full(len(faces), 3), local.reshape(-1, 3)]).astype(np.int64)
+    cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(rows.ravel(), deep=True))
+    data = vtk.vtkPolyData()
+    data.SetPoints(points)
+    data.SetPolys(cells)
+    values = numpy_to_vtk(scalar[used], deep=True)
+    values.SetName("field")
+    data.GetPointData().SetScalars(values)
+    return data
+
+
+# ---------------------------------------------------------------------------------------------------- picture
+def colours():
+    function = vtk.vtkColorTransferFunction()
+    function.SetColorSpaceToLab()
+    for t, rgb in zip(
+        np.linspace(*RANGE, 7),
+        [(0.19, 0.21, 0.58), (0.27, 0.46, 0.71), (0.62, 0.81, 0.89), (0.97, 0.96, 0.84), (0.99, 0.75, 0.44), (0.90, 0.38, 0.24), (0.62, 0.04, 0.15)],
+    ):
+        function.AddRGBPoint(t, *rgb)
+    return function
+
+
+def actor(data, table, edge_width, edge_grey, ambient):
+    mapper = vtk.vtkPolyDataMapper()
+    mapper.SetInputData(data)
+    mapper.SetLookupTable(table)
+    mapper.SetScalarRange(*RANGE)
+    mapper.InterpolateScalarsBeforeMappingOn()
+    shown = vtk.vtkActor()
+    shown.SetMapper(mapper)
+    look = shown.GetProperty()
+    look.SetInterpolationToFlat()
+    look.SetAmbient(ambient)
+    look.SetDiffuse(1 - ambient)
+    look.EdgeVisibilityOn()
+    look.SetEdgeColor(edge_grey, edge_grey, edge_grey)
+    look.SetLineWidth(edge_width)
+    return shown
+
+
+def text(words, size, at, bold=False, centred=True):
+    shown = vtk.vtkTextActor()
+    shown.SetInput(words)
+    look = shown.GetTextProperty()
+    look.SetFontSize(size)
+    look.SetColor(0.1, 0.1, 0.12)
+    look.SetBold(bold)
+    look.SetFontFamilyToArial()
+    if centred:
+        look.SetJustificationToCentered()
+    look.SetVerticalJustificationToCentered()
+    shown.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
+    shown.SetPosition(*at)
+    return shown
+
+
+def panel(window, viewport, shown, words, camera):
+    renderer = vtk.vtkRenderer()
+    renderer.SetViewport(*viewport)
+    renderer.SetBackground(1, 1, 1)
+    for a in shown:
+        renderer.AddActor(a)
+    position, focus, up, scale = camera
+    view = renderer.GetActiveCamera()
+    view.SetPosition(*position)
+    view.SetFocalPoint(*focus)
+    view.SetViewUp(*up)
+    view.ParallelProjectionOn()
+    view.SetParallelScale(scale)
+    renderer.ResetCameraClippingRange()
+    renderer.AddActor2D(text(words, 30, (0.5, 0.965)))
+    window.AddRenderer(renderer)
+
+
+def title_bar(window, table):
+    renderer = vtk.vtkRenderer()
+    renderer.SetViewport(0, 0.9, 1, 1)
+    renderer.SetBackground(1, 1, 1)
+    renderer.AddActor2D(text("Wing-body half model: mesh before and after adaptation", 46, (0.02, 0.62), True, False))
+    renderer.AddActor2D(
+        text("colour: analytic, Mach-like field with a bow shock, a lambda shock and a wake (not a flow solution)", 28, (0.02, 0.22), False, False)
+    )
+    bar = vtk.vtkScalarBarActor()
+    bar.SetLookupTable(table)
+    bar.SetOrientationToHorizontal()
+    bar.SetNumberOfLabels(4)
+    bar.SetLabelFormat("%.2f")
+    bar.SetTitle("")
+    bar.UnconstrainedFontSizeOn()
+    bar.GetLabelTextProperty().SetColor(0.1, 0.1, 0.12)
+    bar.GetLabelTextProperty().SetFontSize(26)
+    bar.GetLabelTextProperty().ShadowOff()
+    bar.GetLabelTextProperty().ItalicOff()
+    bar.SetPosition(0.70, 0.12)
+    bar.SetPosition2(0.28, 0.76)
+    renderer.AddActor2D(bar)
+    window.AddRenderer(renderer)
+
+
+def thousands(n):
+    return f"{n:,}".replace(",", " ")
+
+
+def main():
+    if len(sys.argv) != 6:
+        raise SystemExit(__doc__)
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(8)
+    window.SetSize(2400, 1800)
+    table = colours()
+    title_bar(window, table)
+    for column, (name, mesh_path, field_path) in enumerate((("before", *sys.argv[1:3]), ("after", *sys.argv[3:5]))):
+        coords, triangles, tets = read_mesh(mesh_path)
+        scalar = read_scalar(field_path)
+        x0, x1 = 0.5 * column, 0.5 * column + 0.498
+
+        surface = triangles[triangles[:, 3] != FAR_FIELD]
+        centre = coords[surface[:, :3]].mean(axis=1)
+        surface = surface[(np.linalg.norm(centre - (12, 0, 0), axis=1) < 60)][:, :3]
+        body = actor(poly_data(coords, scalar, surface), table, 1.0, 0.22, 0.55)
+        words = f"{name}: {thousands(len(tets))} tetrahedra, {thousands(len(coords))} vertices"
+        panel(window, (x0, 0.45, x1, 0.895), [body], words, ((-22, 62, 52), (13.0, 4.6, 0.3), (0, 0, 1), 10.5))
+
+        faces = cut_faces(coords, tets, 1, CUT_AT, (4, CUT_AT - 8, -10), (32, CUT_AT + 8, 12))
+        cut = actor(poly_data(coords, scalar, faces), table, 1.0, 0.22, 0.75)
+        words = f"{name}: the tetrahedra beyond y = {CUT_AT:g}"
+        panel(window, (x0, 0.0, x1, 0.445), [cut], words, ((16.2, -60, 0.9), (16.2, 0, 0.9), (0, 0, 1), 2.9))
+    window.Render()
+    image = vtk.vtkWindowToImageFilter()
+    image.SetInput(window)
+    image.ReadFrontBufferOff()
+    writer = vtk.vtkPNGWriter()
+    writer.SetFileName(sys.argv[5])
+    writer.SetInputConnection(image.GetOutputPort())
+    writer.Write()
+
+
+if __name__ == "__main__":
+    main()
