@@ -1,0 +1,54 @@
+// PhaseLog: what a run is doing (one progress line per phase) and what each phase cost (for the report).
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "comm/comm.hpp"
+
+namespace skein {
+
+/// What one phase cost, over all ranks.
+struct PhaseCost {
+  std::string name;
+  double seconds_min = 0, seconds_mean = 0, seconds_max = 0;  ///< wall time between start and finish on each rank
+  double busy_min = 0, busy_mean = 0, busy_max = 0;           ///< of this, useful local work (see PhaseLog::busy)
+  double balance = 100;                                       ///< 100 * mean / max of busy, per cent
+  std::int64_t elements = 0;                                  ///< tetrahedra over all ranks when it ended
+  std::int64_t bytes_sent = 0;                                ///< over all ranks
+  std::map<std::string, std::int64_t> operations;             ///< over all ranks, e.g. "insert": 1234
+};
+
+class PhaseLog {
+ public:
+  enum class Output { kTerminal, kPlain, kQuiet };
+  PhaseLog(const Comm& comm, Output output);
+
+  /// Starts a phase; the one before must be finished. Not collective.
+  void start(const std::string& name);
+  /// Operations that this rank has done in the current phase; adds up. Not collective.
+  void count(const std::string& operation, std::int64_t n);
+  /// Seconds of useful local work in the current phase (without waiting for others); adds up. Without a call, the
+  /// whole time up to finish() counts. Not collective.
+  void busy(double seconds);
+  /// Collective. Ends the phase and prints its line on rank 0: elapsed time since the log began, name, tetrahedra over
+  /// all ranks, seconds, balance in %.
+  void finish(std::int64_t local_tets);
+  /// A line of text on rank 0 (none when quiet). Not collective.
+  void note(const std::string& line);
+
+  [[nodiscard]] const std::vector<PhaseCost>& phases() const noexcept { return phases_; }
+  [[nodiscard]] double elapsed() const noexcept;
+
+ private:
+  const Comm* comm_;
+  Output output_;
+  double begin_ = 0, start_ = 0, busy_ = -1;
+  std::int64_t bytes_ = 0;
+  std::string name_;
+  std::map<std::string, std::int64_t> counts_;
+  std::vector<PhaseCost> phases_;
+};
+
+}  // namespace skein

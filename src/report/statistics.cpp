@@ -1,0 +1,337 @@
+// Statistics of a distributed mesh: see the header.
+#include "report/statistics.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "metric/measure.hpp"
+#include "report/order_statistics.hpp"
+
+namespace skein {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+SymTensor log_metric(const VertexData& data, VertId v) noexcept {
+  const double* d = data.at(v);
+  return {d[0], d[1], d[2], d[3], d[4], d[5]};
+}
+
+IdVector<VertId, VertMetric> metrics(const DistMesh& dist, int threads) {
+  IdVector<VertId, VertMetric> m(dist.mesh.vert_slots());
+  const auto n = static_cast<std::int64_t>(m.size());
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (std::int64_t i = 0; i < n; ++i) {
+    const auto v = to_id<VertId>(i);
+    const SymTensor l = log_metric(dist.data, v);
+    m[v] = {exp(l), std::exp(0.5 * (l.xx + l.yy + l.zz))};  // det(exp L) = exp(trace L), without cancellation
+  }
+  return m;
+}
+
+/// What one thread gathers over its tetrahedra; merged in thread order.
+struct TetSums {
+  std::int64_t nonpositive = 0;
+  double volume = 0, min_volume = kInfinity, complexity = 0;
+  double max_cos = -1, min_cos = 1;  // of the dihedral angles
+  std::array<std::int64_t, 18> angles{};
+};
+
+void add_angles(const std::array<Vec3, 4>& x, TetSums& s) noexcept {
+  std::array<Vec3, 4> normal;
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto& k = kFaceVerts[f];
+    const Vec3 a = x[static_cast<std::size_t>(k[0])];
+    normal[f] = normalized(cross(x[static_cast<std::size_t>(k[1])] - a, x[static_cast<std::size_t>(k[2])] - a));
+  }
+  for (const auto& e : kEdgeVerts) {
+    const double c = -dot(normal[static_cast<std::size_t>(e[0])], normal[static_cast<std::size_t>(e[1])]);
+    const double clamped = std::clamp(c, -1.0, 1.0);
+    s.max_cos = std::max(s.max_cos, clamped);
+    s.min_cos = std::min(s.min_cos, clamped);
+    const double degrees = 180 / std::numbers::pi * std::acos(clamped);
+    ++s.angles[std::min<std::size_t>(17, static_cast<std::size_t>(degrees / 10))];
+  }
+}
+
+/// Pass over the tetrahedra; quality of each one into `q` when there are metrics.
+TetSums tet_pass(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, std::vector<double>* q, int threads) {
+  std::vector<TetSums> sums(static_cast<std::size_t>(threads));
+  const auto n = static_cast<std::int64_t>(m.tet_slots());
+#pragma omp parallel for num_threads(threads) schedule(static, 1)
+  for (int w = 0; w < threads; ++w) {
+    TetSums s;
+    for (std::int64_t i = n * w / threads; i < n * (w + 1) / threads; ++i) {
+      const auto t = to_id<TetId>(i);
+      const auto& v = m.tet2vert[t];
+      const double volume = volume6(m, t) / 6;
+      s.volume += volume;
+      s.min_volume = std::min(s.min_volume, volume);
+      s.nonpositive += !(volume > 0);
+      const std::array<Vec3, 4> x{m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]};
+      add_angles(x, s);
+      if (metric == nullptr) continue;
+      const VertMetric &a = (*metric)[v[0]], &b = (*metric)[v[1]], &c = (*metric)[v[2]], &d = (*metric)[v[3]];
+      s.complexity += (a.sqrt_det + b.sqrt_det + c.sqrt_det + d.sqrt_det) / 4 * std::abs(volume);
+      (*q)[static_cast<std::size_t>(i)] = quality(quality_cubed(x[0], x[1], x[2], x[3], a, b, c, d));
+    }
+    sums[static_cast<std::size_t>(w)] = s;
+  }
+  TetSums all;
+  for (const TetSums& s : sums) {
+    all.nonpositive += s.nonpositive, all.volume += s.volume, all.complexity += s.complexity;
+    all.min_volume = std::min(all.min_volume, s.min_volume);
+    all.max_cos = std::max(all.max_cos, s.max_cos), all.min_cos = std::min(all.min_cos, s.min_cos);
+    for (std::size_t i = 0; i < 18; ++i) all.angles[i] += s.angles[i];
+  }
+  return all;
+}
+
+/// Tetrahedra at each vertex, in one flat list.
+struct Balls {
+  std::vector<std::size_t> offset;
+  std::vector<TetId> tets;
+};
+Balls balls(const TetMesh& m) {
+  Balls b;
+  b.offset.assign(m.vert_slots() + 1, 0);
+  for (const auto& v : m.tet2vert) {
+    for (const VertId a : v) ++b.offset[idx(a) + 1];
+  }
+  std::partial_sum(b.offset.begin(), b.offset.end(), b.offset.begin());
+  b.tets.resize(b.offset.back());
+  std::vector<std::size_t> at(b.offset.begin(), b.offset.end() - 1);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (const VertId a : m.tet2vert[t]) b.tets[at[idx(a)]++] = t;
+  }
+  return b;
+}
+
+struct LocalEdge {
+  VertId a, b;
+};
+struct EdgeKey {
+  GlobalId a, b;  // a < b
+  friend auto operator<=>(const EdgeKey&, const EdgeKey&) = default;
+};
+
+/// What one thread gathers over its edges.
+struct EdgeSums {
+  std::int64_t edges = 0;
+  std::vector<double> lengths;
+  std::vector<LocalEdge> shared;  // both ends on other ranks, too: counted by the one whom the rendezvous names
+};
+
+/// Pass over the edges of this rank, each once, from its lower end.
+void edge_pass(const DistMesh& dist, const Balls& ball, const IdVector<VertId, VertMetric>* metric,
+               const std::vector<char>& is_shared, std::size_t first, std::size_t last, EdgeSums& s) {
+  const TetMesh& m = dist.mesh;
+  std::vector<VertId> around;
+  for (std::size_t i = first; i < last; ++i) {
+    const auto a = to_id<VertId>(i);
+    around.clear();
+    for (std::size_t k = ball.offset[i]; k < ball.offset[i + 1]; ++k) {
+      for (const VertId b : m.tet2vert[ball.tets[k]]) {
+        if (b > a) around.push_back(b);
+      }
+    }
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    for (const VertId b : around) {
+      if (is_shared[i] != 0 && is_shared[idx(b)] != 0) {
+        s.shared.push_back({a, b});
+        continue;
+      }
+      ++s.edges;
+      if (metric != nullptr) {
+        s.lengths.push_back(edge_length((*metric)[a].m, (*metric)[b].m, m.coords[b] - m.coords[a]));
+      }
+    }
+  }
+}
+
+/// Collective. Which of the edges this rank is to count: 1 or 0 for each. Of several ranks the lowest counts it.
+std::vector<char> mine_to_count(const Comm& comm, const DistMesh& dist, const std::vector<LocalEdge>& edges) {
+  std::vector<EdgeKey> keys;
+  std::vector<Rank> dest;
+  for (const LocalEdge& e : edges) {
+    const auto [a, b] = std::minmax(dist.vert2gid[e.a], dist.vert2gid[e.b]);
+    keys.push_back({a, b});
+    const std::uint64_t h = (static_cast<std::uint64_t>(num(a)) * 0x9e3779b97f4a7c15ULL) ^
+                            (static_cast<std::uint64_t>(num(b)) * 0xc2b2ae3d27d4eb4fULL);
+    dest.push_back(to_id<Rank>((h >> 32) % static_cast<std::uint64_t>(comm.size())));
+  }
+  const Packets<EdgeKey> sent = pack(std::span<const Rank>(dest), std::span<const EdgeKey>(keys));
+  const Packets<EdgeKey> asked = exchange(comm, sent);
+  std::vector<std::size_t> order(asked.items.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
+    return asked.items[x] != asked.items[y] ? asked.items[x] < asked.items[y] : x < y;  // sources come ascending
+  });
+  std::vector<char> answer(order.size(), 0);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    answer[order[i]] = i == 0 || asked.items[order[i]] != asked.items[order[i - 1]];
+  }
+  // reply() answers in the order of the packets; pack() is stable, so the order per destination is that of `edges`
+  const std::vector<char> packed = reply(comm, sent, asked, std::span<const char>(answer));
+  std::vector<std::size_t> at(static_cast<std::size_t>(comm.size()), 0);
+  for (std::size_t i = 0; i < sent.blocks(); ++i) at[idx(sent.rank[i])] = sent.offset[i];
+  std::vector<char> mine(edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) mine[i] = packed[at[idx(dest[i])]++];
+  return mine;
+}
+
+/// Collective. All edges that this rank counts, and their lengths.
+EdgeSums edges_of(const Comm& comm, const DistMesh& dist, const IdVector<VertId, VertMetric>* metric, int threads) {
+  std::vector<char> is_shared(dist.mesh.vert_slots(), 0);
+  for (const VertId v : dist.sharing.vert) is_shared[idx(v)] = 1;
+  std::vector<EdgeSums> sums(static_cast<std::size_t>(threads));
+  {
+    const Balls ball = balls(dist.mesh);
+    const auto n = static_cast<std::int64_t>(dist.mesh.vert_slots());
+#pragma omp parallel for num_threads(threads) schedule(static, 1)
+    for (int w = 0; w < threads; ++w) {
+      edge_pass(dist, ball, metric, is_shared, static_cast<std::size_t>(n * w / threads),
+                static_cast<std::size_t>(n * (w + 1) / threads), sums[static_cast<std::size_t>(w)]);
+    }
+  }
+  EdgeSums all = std::move(sums[0]);
+  for (std::size_t w = 1; w < sums.size(); ++w) {
+    all.edges += sums[w].edges;
+    all.lengths.insert(all.lengths.end(), sums[w].lengths.begin(), sums[w].lengths.end());
+    all.shared.insert(all.shared.end(), sums[w].shared.begin(), sums[w].shared.end());
+    sums[w] = {};
+  }
+  const std::vector<char> mine = mine_to_count(comm, dist, all.shared);
+  for (std::size_t i = 0; i < mine.size(); ++i) {
+    if (mine[i] == 0) continue;
+    const LocalEdge e = all.shared[i];
+    ++all.edges;
+    if (metric != nullptr) {
+      const Vec3 d = dist.mesh.coords[e.b] - dist.mesh.coords[e.a];
+      all.lengths.push_back(edge_length((*metric)[e.a].m, (*metric)[e.b].m, d));
+    }
+  }
+  return all;
+}
+
+struct Moments {
+  double min, mean, max;
+};
+/// Collective. @pre there is a value on some rank (n of them over all ranks).
+Moments moments(const Comm& comm, const std::vector<double>& values, std::int64_t n) {
+  double low = kInfinity, high = -kInfinity, sum = 0;
+  for (const double v : values) low = std::min(low, v), high = std::max(high, v), sum += v;
+  return {comm.min(low), comm.sum(sum) / static_cast<double>(n), comm.max(high)};
+}
+/// Collective. Percentage of values in [low, high].
+double share(const Comm& comm, const std::vector<double>& values, std::int64_t n, double low, double high) {
+  std::int64_t in = 0;
+  for (const double v : values) in += v >= low && v <= high;
+  return 100 * static_cast<double>(comm.sum(in)) / static_cast<double>(n);
+}
+
+LengthStatistics length_statistics(const Comm& comm, const std::vector<double>& lengths) {
+  LengthStatistics s;
+  const std::int64_t n = comm.sum(static_cast<std::int64_t>(lengths.size()));
+  if (n == 0) return s;
+  const Moments m = moments(comm, lengths, n);
+  s.min = m.min, s.mean = m.mean, s.max = m.max;
+  const std::array<std::int64_t, 2> ks{percentile_index(1, n), percentile_index(99, n)};
+  const std::vector<double> p = order_statistics(comm, lengths, ks);
+  s.p1 = p[0], s.p99 = p[1];
+  s.unit_share = share(comm, lengths, n, std::numbers::sqrt2 / 2, std::numbers::sqrt2);
+  s.below_half = share(comm, lengths, n, 0, 0.5);
+  s.above_two = share(comm, lengths, n, 2, kInfinity);
+  const auto& bounds = length_bounds();
+  for (const double v : lengths) {
+    ++s.histogram[static_cast<std::size_t>(std::upper_bound(bounds.begin(), bounds.end(), v) - bounds.begin())];
+  }
+  comm.reduce(std::span<std::int64_t>(s.histogram), Op::kSum);
+  return s;
+}
+
+QualityStatistics quality_statistics(const Comm& comm, const std::vector<double>& q) {
+  QualityStatistics s;
+  const std::int64_t n = comm.sum(static_cast<std::int64_t>(q.size()));
+  if (n == 0) return s;
+  const Moments m = moments(comm, q, n);
+  s.min = m.min, s.mean = m.mean;
+  const std::array<std::int64_t, 2> ks{percentile_index(0.1, n), percentile_index(1, n)};
+  const std::vector<double> p = order_statistics(comm, q, ks);
+  s.p01 = p[0], s.p1 = p[1];
+  s.below_01 = share(comm, q, n, -1, 0.1), s.below_02 = share(comm, q, n, -1, 0.2);
+  s.above_05 = share(comm, q, n, 0.5, 2), s.above_08 = share(comm, q, n, 0.8, 2);
+  for (const double v : q) ++s.histogram[std::min<std::size_t>(9, static_cast<std::size_t>(v * 10))];
+  comm.reduce(std::span<std::int64_t>(s.histogram), Op::kSum);
+  return s;
+}
+
+}  // namespace
+
+const std::array<double, 13>& length_bounds() noexcept {
+  static const std::array<double, 13> bounds{0.25,
+                                             std::exp2(-1.5),
+                                             0.5,
+                                             std::exp2(-0.75),
+                                             std::exp2(-0.5),
+                                             std::exp2(-0.25),
+                                             1,
+                                             std::exp2(0.25),
+                                             std::exp2(0.5),
+                                             std::exp2(0.75),
+                                             2,
+                                             std::exp2(1.5),
+                                             4};
+  return bounds;
+}
+
+MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metric, int threads) {
+  MeshStatistics s;
+  s.with_metric = with_metric;
+  IdVector<VertId, VertMetric> metric;
+  if (with_metric) metric = metrics(dist, threads);
+  const IdVector<VertId, VertMetric>* m = with_metric ? &metric : nullptr;
+
+  std::vector<double> q(with_metric ? dist.mesh.tet_slots() : 0);
+  TetSums t = tet_pass(dist.mesh, m, &q, threads);
+  s.tets = comm.sum(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  s.vertices = dist.global_verts;
+  s.nonpositive_tets = comm.sum(t.nonpositive);
+  s.volume = comm.sum(t.volume);
+  s.min_volume = comm.min(t.min_volume);
+  s.complexity = comm.sum(t.complexity);
+  const double max_cos = comm.max(t.max_cos), min_cos = comm.min(t.min_cos);
+  s.dihedral.min = 180 / std::numbers::pi * std::acos(max_cos);
+  s.dihedral.max = 180 / std::numbers::pi * std::acos(min_cos);
+  s.dihedral.histogram_10deg = t.angles;
+  comm.reduce(std::span<std::int64_t>(s.dihedral.histogram_10deg), Op::kSum);
+  if (with_metric) s.quality = quality_statistics(comm, q);
+  q = {};
+
+  const EdgeSums e = edges_of(comm, dist, m, threads);
+  s.edges = comm.sum(e.edges);
+  if (with_metric) s.length = length_statistics(comm, e.lengths);
+  return s;
+}
+
+double complexity(const Comm& comm, const DistMesh& dist) {
+  const TetMesh& m = dist.mesh;
+  IdVector<VertId, double> sqrt_det(m.vert_slots());
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    const SymTensor l = log_metric(dist.data, v);
+    sqrt_det[v] = std::exp(0.5 * (l.xx + l.yy + l.zz));
+  }
+  double c = 0;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    double d = 0;
+    for (const VertId v : m.tet2vert[t]) d += sqrt_det[v];
+    c += d / 4 * std::abs(volume6(m, t)) / 6;
+  }
+  return comm.sum(c);
+}
+
+}  // namespace skein
