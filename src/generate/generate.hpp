@@ -1,0 +1,35 @@
+// Volume generation from a closed surface triangulation [35.2.3].
+#pragma once
+#include "adapt/adapt.hpp"
+#include "comm/comm.hpp"
+#include "io/mesh_slice.hpp"
+#include "metric/spacing.hpp"
+#include "partition/dist_mesh.hpp"
+#include "report/phase_log.hpp"
+
+namespace skein {
+
+struct GenerateOptions {
+  SpacingField sources;       ///< the strictest of these and of the boundary spacing holds
+  double size_max = 1e300;    ///< largest spacing anywhere; length
+  double growth = 0.3;        ///< how fast the boundary spacing may grow inwards: spacing gained per distance
+  double ridge_angle = 40;    ///< surface edges folded more than this are ridges; degrees
+  bool keep_surface = false;  ///< the surface triangulation stays as it is, whatever sources and size_max ask for
+  AdaptOptions adapt;         ///< surface and spacing are set by generate()
+};
+
+/// A first, coarse volume mesh: TetGen's tetrahedra between surface vertices and a thin cloud of seeds.
+struct CoarseVolume {
+  MeshSlice mesh;               ///< even slices; the surface's vertices, triangles, edges and lists first and unchanged
+  std::vector<double> spacing;  ///< wanted, per vertex of this rank's slice; length
+  double surface_volume = 0;    ///< enclosed by the surface; length^3; the same on every rank
+};
+
+/// Collective. Checks the surface and fills it (rank 0 alone holds the surface and TetGen's result, for a moment).
+/// Throws on all ranks as check_surface() and fill_volume() do.
+CoarseVolume fill_surface(const Comm& comm, const MeshSlice& surface, const GenerateOptions& options, PhaseLog& log);
+
+/// Collective. The volume mesh with the wanted spacing. dist.data holds its log-metric (isotropic, width 6).
+DistMesh generate(const Comm& comm, const MeshSlice& surface, const GenerateOptions& options, PhaseLog& log);
+
+}  // namespace skein

@@ -1,0 +1,20 @@
+// Seeds: a thin cloud of points inside the domain that carries spacing between surfaces of very different spacing.
+#pragma once
+#include <vector>
+
+#include "io/mesh_slice.hpp"
+#include "metric/spacing.hpp"
+
+namespace skein {
+
+/// Centres (jittered, always the same) of a balanced octree whose cells are about `ratio` times as large as the spacing
+/// wanted in them, by the surface spacing and by the sources; a factor ratio^3 fewer than the final mesh has vertices.
+/// None lies near the surface; those outside the domain are still among them.
+///
+/// Without them the first tetrahedra would reach from the finest to the coarsest surface in one edge, the spacing in
+/// between would follow from two values, and a source away from the surfaces would not be seen at all.
+/// @pre spacing has one value per vertex of the surface; the surface is whole.
+std::vector<Vec3> make_seeds(const MeshSlice& surface, const std::vector<double>& spacing, const SpacingField& sources,
+                             double ratio = 6);
+
+}  // namespace skein
