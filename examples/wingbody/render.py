@@ -3,8 +3,8 @@
 
     render.py BEFORE.meshb BEFORE.solb AFTER.meshb AFTER.solb OUT.png
 
-Left the mesh before, right after. Above: the body and the mesh on the symmetry plane. Below: a cut through the volume that
-follows the tetrahedra, across the wing. Colour: the field of field.cpp (an analytic formula, not a flow solution).
+Left the mesh before, right after. From above: the body and the mesh on the symmetry plane; the wing's upper side; a cut
+through the volume across the wing that follows the tetrahedra. Colour: the field of field.cpp (an analytic formula, not a flow solution).
 Needs Debian's python3-vtk9 and python3-numpy.
 """
 import struct
@@ -16,7 +16,12 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
 VERTICES, TRIANGLES, TETRAHEDRA, SOL_AT_VERTICES, END = 4, 6, 8, 62, 54
 SYMMETRY, FAR_FIELD = 1, 2
-CUT_AT = 6.0  # y of the lower panels
+CUT_AT = 6.0  # y of the lowest panels
+WIDTH, TITLE, CAPTION, ROWS = 2400, 190, 56, (800, 620, 720)  # pixels
+# position, focus, up and half height of the views
+OVERVIEW = ((-22, 62, 52), (13.0, 4.6, 0.3), (0, 0, 1), 11.0)
+WING = ((15.0, 8.2, 60), (15.0, 8.2, 0), (-1, 0, 0), 5.6)
+CUT = ((16.2, -60, 0.9), (16.2, 0, 0.9), (0, 0, 1), 2.6)
 RANGE = (0.55, 1.45)  # of the colours
 
 
@@ -101,7 +106,15 @@ def colours():
     function.SetColorSpaceToLab()
     for t, rgb in zip(
         np.linspace(*RANGE, 7),
-        [(0.19, 0.21, 0.58), (0.27, 0.46, 0.71), (0.62, 0.81, 0.89), (0.97, 0.96, 0.84), (0.99, 0.75, 0.44), (0.90, 0.38, 0.24), (0.62, 0.04, 0.15)],
+        [
+            (0.19, 0.21, 0.58),
+            (0.27, 0.46, 0.71),
+            (0.62, 0.81, 0.89),
+            (0.97, 0.96, 0.84),
+            (0.99, 0.75, 0.44),
+            (0.90, 0.38, 0.24),
+            (0.62, 0.04, 0.15),
+        ],
     ):
         function.AddRGBPoint(t, *rgb)
     return function
@@ -141,32 +154,62 @@ def text(words, size, at, bold=False, centred=True):
     return shown
 
 
-def panel(window, viewport, shown, words, camera):
-    renderer = vtk.vtkRenderer()
-    renderer.SetViewport(*viewport)
-    renderer.SetBackground(1, 1, 1)
-    for a in shown:
-        renderer.AddActor(a)
-    position, focus, up, scale = camera
-    view = renderer.GetActiveCamera()
-    view.SetPosition(*position)
-    view.SetFocalPoint(*focus)
-    view.SetViewUp(*up)
-    view.ParallelProjectionOn()
-    view.SetParallelScale(scale)
-    renderer.ResetCameraClippingRange()
-    renderer.AddActor2D(text(words, 30, (0.5, 0.965)))
-    window.AddRenderer(renderer)
+class Page:
+    """The picture, filled from above with rows of two panels, each under its caption."""
+
+    def __init__(self):
+        self.height = TITLE + sum(ROWS) + CAPTION * len(ROWS)
+        self.top = 0
+        self.window = vtk.vtkRenderWindow()
+        self.window.SetOffScreenRendering(1)
+        self.window.SetMultiSamples(8)
+        self.window.SetSize(WIDTH, self.height)
+        self.place(0, 1, self.height)  # white behind everything
+
+    def place(self, x0, x1, height):
+        """A white renderer between x0 and x1 (of 0 to 1), `height` pixels high, at the current row."""
+        renderer = vtk.vtkRenderer()
+        renderer.SetViewport(x0, 1 - (self.top + height) / self.height, x1, 1 - self.top / self.height)
+        renderer.SetBackground(1, 1, 1)
+        self.window.AddRenderer(renderer)
+        return renderer
+
+    def row(self, panels, camera, height):
+        """panels: (caption, actor) of the left and the right."""
+        for column, (caption, shown) in enumerate(panels):
+            strip = self.place(0.5 * column, 0.5 * (column + 1), CAPTION)
+            strip.AddActor2D(text(caption, 32, (0.02, 0.42), centred=False))
+        self.top += CAPTION
+        for column, (caption, shown) in enumerate(panels):
+            renderer = self.place(0.004 + 0.5 * column, 0.496 + 0.5 * column, height)
+            renderer.AddActor(shown)
+            position, focus, up, scale = camera
+            view = renderer.GetActiveCamera()
+            view.SetPosition(*position)
+            view.SetFocalPoint(*focus)
+            view.SetViewUp(*up)
+            view.ParallelProjectionOn()
+            view.SetParallelScale(scale)
+            renderer.ResetCameraClippingRange()
+        self.top += height
+
+    def write(self, path):
+        self.window.Render()
+        image = vtk.vtkWindowToImageFilter()
+        image.SetInput(self.window)
+        image.ReadFrontBufferOff()
+        writer = vtk.vtkPNGWriter()
+        writer.SetFileName(path)
+        writer.SetInputConnection(image.GetOutputPort())
+        writer.Write()
 
 
-def title_bar(window, table):
-    renderer = vtk.vtkRenderer()
-    renderer.SetViewport(0, 0.9, 1, 1)
-    renderer.SetBackground(1, 1, 1)
-    renderer.AddActor2D(text("Wing-body half model: mesh before and after adaptation", 46, (0.02, 0.62), True, False))
-    renderer.AddActor2D(
-        text("colour: analytic, Mach-like field with a bow shock, a lambda shock and a wake (not a flow solution)", 28, (0.02, 0.22), False, False)
-    )
+def title(page, table):
+    renderer = page.place(0, 1, TITLE)
+    page.top += TITLE
+    renderer.AddActor2D(text("Wing-body half model: mesh before and after adaptation", 48, (0.01, 0.66), True, False))
+    remark = "colour: analytic, Mach-like field with a bow shock, a lambda shock and a wake (not a flow solution)"
+    renderer.AddActor2D(text(remark, 29, (0.01, 0.26), False, False))
     bar = vtk.vtkScalarBarActor()
     bar.SetLookupTable(table)
     bar.SetOrientationToHorizontal()
@@ -174,53 +217,54 @@ def title_bar(window, table):
     bar.SetLabelFormat("%.2f")
     bar.SetTitle("")
     bar.UnconstrainedFontSizeOn()
-    bar.GetLabelTextProperty().SetColor(0.1, 0.1, 0.12)
-    bar.GetLabelTextProperty().SetFontSize(26)
-    bar.GetLabelTextProperty().ShadowOff()
-    bar.GetLabelTextProperty().ItalicOff()
+    labels = bar.GetLabelTextProperty()
+    labels.SetColor(0.1, 0.1, 0.12)
+    labels.SetFontSize(26)
+    labels.ShadowOff()
+    labels.ItalicOff()
     bar.SetPosition(0.70, 0.12)
     bar.SetPosition2(0.28, 0.76)
     renderer.AddActor2D(bar)
-    window.AddRenderer(renderer)
 
 
 def thousands(n):
     return f"{n:,}".replace(",", " ")
 
 
+def draw(mesh_path, field_path, table):
+    """The three actors of one mesh, and its count of tetrahedra and vertices."""
+    coords, triangles, tets = read_mesh(mesh_path)
+    scalar = read_scalar(field_path)
+    near = np.linalg.norm(coords[triangles[:, :3]].mean(axis=1) - (12, 0, 0), axis=1) < 60
+    surface = triangles[near & (triangles[:, 3] != FAR_FIELD)]
+    body = surface[surface[:, 3] != SYMMETRY]
+    jagged = cut_faces(coords, tets, 1, CUT_AT, (4, CUT_AT - 8, -10), (32, CUT_AT + 8, 12))
+    line = 1.0 if len(tets) < 200000 else 0.7
+    shown = (
+        actor(poly_data(coords, scalar, surface[:, :3]), table, line, 0.25, 0.6),
+        actor(poly_data(coords, scalar, body[:, :3]), table, line, 0.25, 0.7),
+        actor(poly_data(coords, scalar, jagged), table, line, 0.25, 0.75),
+    )
+    return shown, f"{thousands(len(tets))} tetrahedra, {thousands(len(coords))} vertices"
+
+
 def main():
     if len(sys.argv) != 6:
         raise SystemExit(__doc__)
-    window = vtk.vtkRenderWindow()
-    window.SetOffScreenRendering(1)
-    window.SetMultiSamples(8)
-    window.SetSize(2400, 1800)
     table = colours()
-    title_bar(window, table)
-    for column, (name, mesh_path, field_path) in enumerate((("before", *sys.argv[1:3]), ("after", *sys.argv[3:5]))):
-        coords, triangles, tets = read_mesh(mesh_path)
-        scalar = read_scalar(field_path)
-        x0, x1 = 0.5 * column, 0.5 * column + 0.498
-
-        surface = triangles[triangles[:, 3] != FAR_FIELD]
-        centre = coords[surface[:, :3]].mean(axis=1)
-        surface = surface[(np.linalg.norm(centre - (12, 0, 0), axis=1) < 60)][:, :3]
-        body = actor(poly_data(coords, scalar, surface), table, 1.0, 0.22, 0.55)
-        words = f"{name}: {thousands(len(tets))} tetrahedra, {thousands(len(coords))} vertices"
-        panel(window, (x0, 0.45, x1, 0.895), [body], words, ((-22, 62, 52), (13.0, 4.6, 0.3), (0, 0, 1), 10.5))
-
-        faces = cut_faces(coords, tets, 1, CUT_AT, (4, CUT_AT - 8, -10), (32, CUT_AT + 8, 12))
-        cut = actor(poly_data(coords, scalar, faces), table, 1.0, 0.22, 0.75)
-        words = f"{name}: the tetrahedra beyond y = {CUT_AT:g}"
-        panel(window, (x0, 0.0, x1, 0.445), [cut], words, ((16.2, -60, 0.9), (16.2, 0, 0.9), (0, 0, 1), 2.9))
-    window.Render()
-    image = vtk.vtkWindowToImageFilter()
-    image.SetInput(window)
-    image.ReadFrontBufferOff()
-    writer = vtk.vtkPNGWriter()
-    writer.SetFileName(sys.argv[5])
-    writer.SetInputConnection(image.GetOutputPort())
-    writer.Write()
+    before, before_size = draw(sys.argv[1], sys.argv[2], table)
+    after, after_size = draw(sys.argv[3], sys.argv[4], table)
+    captions = (
+        (f"before: {before_size}", f"after: {after_size}"),
+        ("before: the wing from above", "after: the wing from above"),
+        (f"before: the tetrahedra beyond y = {CUT_AT:g}", f"after: the tetrahedra beyond y = {CUT_AT:g}"),
+    )
+    page = Page()
+    title(page, table)
+    for row, (camera, height) in enumerate(zip((OVERVIEW, WING, CUT), ROWS)):
+        page.row(((captions[row][0], before[row]), (captions[row][1], after[row])), camera, height)
+    page.write(sys.argv[5])
+    print(f"before: {before_size}\nafter: {after_size}")
 
 
 if __name__ == "__main__":
