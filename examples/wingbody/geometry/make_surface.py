@@ -32,9 +32,9 @@ def nose_profile(theta):
     return x, RADIUS * math.sqrt(max(0.0, theta - 0.5 * math.sin(2 * theta)) / math.pi)
 
 
-def tail_profile(s):
-    """Taper to a conical tip; s from 0 to 1."""
-    return TAIL + s * (LENGTH - TAIL), RADIUS * (1 - s**2.2)
+def tail_profile(theta):
+    """Taper to a rounded tip; theta = 0 at its begin, pi / 2 at the tip."""
+    return TAIL + (LENGTH - TAIL) * math.sin(theta), RADIUS * max(0.0, math.cos(theta)) ** 1.2
 
 
 def aerofoil(t, side):
@@ -59,7 +59,7 @@ def make_fuselage(occ):
     """Half of the body of revolution, y >= 0."""
     n = 24
     nose = [occ.addPoint(x, 0, r) for x, r in (nose_profile(math.pi * i / n) for i in range(n + 1))]
-    tail = [occ.addPoint(x, 0, r) for x, r in (tail_profile(i / n) for i in range(n + 1))]
+    tail = [occ.addPoint(x, 0, r) for x, r in (tail_profile(0.5 * math.pi * i / n) for i in range(n + 1))]
     wire = [occ.addSpline(nose), occ.addLine(nose[-1], tail[0]), occ.addSpline(tail), occ.addLine(tail[-1], nose[0])]
     face = occ.addPlaneSurface([occ.addCurveLoop(wire)])
     solids = occ.revolve([(2, face)], 0, 0, 0, 1, 0, 0, -math.pi)  # from +z over +y to -z
