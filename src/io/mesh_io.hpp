@@ -8,14 +8,19 @@
 namespace skein {
 
 /// Collective. Reads .mesh (Medit text) or .meshb (GMF binary, versions 1 to 4; either byte order), each rank its even
-/// slices. Throws Error(kInput) on all ranks, naming file and line (text) or byte and entity (binary).
+/// slices. A file without tetrahedra is fine (a surface). Throws Error(kInput) on all ranks, naming file and line
+/// (text) or byte (binary) and entity.
 MeshSlice read_mesh(const Comm& comm, const std::string& path);
 /// Collective. Writes .mesh, .meshb, .vtu or .pvtu (format by the ending); the slices may be of any size, in rank order
-/// (first must be the sum of the lower ranks' sizes). Written under a temporary name, then renamed.
+/// (first must be the sum of the lower ranks' sizes). Written under a temporary name, then renamed. The bytes of .mesh,
+/// .meshb and .vtu depend on the mesh only, not on the ranks; .pvtu writes one piece <stem>_<rank>.vtu per rank.
+/// .meshb has version 3, or 4 when a count exceeds 32 bits. `fields` goes into .vtu and .pvtu only (.mesh and .meshb
+/// have no place for it: write_fields).
 void write_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields = nullptr);
-/// Collective. .sol or .solb.
+/// Collective. .sol or .solb. Throws Error(kInput) on all ranks as read_mesh does; values that are not finite are
+/// refused with vertex and field. Whether `total` fits the mesh is for the caller to check.
 FieldSlice read_fields(const Comm& comm, const std::string& path);
-/// Collective.
+/// Collective. .sol or .solb; slices and naming as for write_mesh.
 void write_fields(const Comm& comm, const std::string& path, const FieldSlice& fields);
 
 }  // namespace skein

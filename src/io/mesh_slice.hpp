@@ -23,8 +23,8 @@ struct VertexListSlice {
   std::vector<GlobalId> verts;  ///< for ridges and required edges/triangles: entity numbers from 0
 };
 
-/// A rank's even slices (comm/file.hpp, even_slice) of the entities of a mesh file. Nothing is checked but counts and
-/// vertex numbers in range.
+/// A rank's even slices (comm/file.hpp, even_slice) of the entities of a mesh file. Nothing is checked but counts,
+/// numbers in range and finite coordinates.
 struct MeshSlice {
   std::string path;
   std::int64_t total_verts = 0, first_vert = 0;
@@ -48,8 +48,9 @@ struct FieldSlice {
   std::string path;
   std::int64_t total = 0, first = 0;
   std::vector<FieldKind> kinds;
-  int width = 0;               ///< sum of components; symmetric tensors in Medit order m11 m12 m22 m13 m23 m33
-  std::vector<double> values;  ///< width numbers per vertex, vertex after vertex
+  int width = 0;                   ///< sum of components; symmetric tensors in Medit order m11 m12 m22 m13 m23 m33
+  std::vector<double> values;      ///< width numbers per vertex, vertex after vertex
+  std::vector<std::string> names;  ///< for .vtu and .pvtu; field0, field1, ... where there is none
 };
 
 }  // namespace skein

@@ -1,0 +1,31 @@
+// What each format offers to mesh_io.cpp. Paths and slices as in mesh_io.hpp; all functions are collective.
+#pragma once
+#include <string>
+
+#include "comm/comm.hpp"
+#include "io/mesh_slice.hpp"
+
+namespace skein::io {
+
+// GMF binary (.meshb, .solb)
+MeshSlice read_gmf_mesh(const Comm& comm, const std::string& path);
+FieldSlice read_gmf_fields(const Comm& comm, const std::string& path);
+/// version 3 (32-bit numbers) or 4 (64-bit); 0 takes 3 unless a number needs 4.
+void write_gmf_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, int version = 0);
+void write_gmf_fields(const Comm& comm, const std::string& path, const FieldSlice& fields, int version = 0);
+
+// Medit text (.mesh, .sol)
+MeshSlice read_medit_mesh(const Comm& comm, const std::string& path);
+FieldSlice read_medit_fields(const Comm& comm, const std::string& path);
+void write_medit_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh);
+void write_medit_fields(const Comm& comm, const std::string& path, const FieldSlice& fields);
+
+// VTK XML
+/// One file for all ranks: tetrahedra, then triangles; cell array "ref"; point arrays from `fields` (may be nullptr).
+void write_vtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields);
+/// <stem>_<rank>.vtu for each rank's cells with the vertices they need, and the index `path`.
+void write_pvtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields);
+/// The XML attributes that describe field i: name, components and their names.
+std::string vtk_field_attributes(const FieldSlice& fields, std::size_t i);
+
+}  // namespace skein::io
