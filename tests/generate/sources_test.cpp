@@ -54,7 +54,14 @@ TEST(SourcesFile, IsTheSameOnEveryRank) {
   int corners = 0;
   for (const Source& s : f.sources) corners += s.corners;
   EXPECT_EQ(corners, 1 + 2 + 3 + 2);
-  EXPECT_DOUBLE_EQ(f.at({1, 2.5, -3}), 0.1);
+  for (const Source& s : f.sources) {
+    if (s.corners == 1) {
+      EXPECT_EQ(SpacingField{{s}}.at({1, 2.5, -3}), 0.1);
+    }
+    if (s.corners == 3) {
+      EXPECT_NEAR(SpacingField{{s}}.at({0.1, 0.1, -4}), 0.6, 1e-12);
+    }
+  }
   EXPECT_DOUBLE_EQ(f.at({0.5, 0, 1.1}), 1e-3);
   EXPECT_EQ(f.at({100, 100, 100}), 3);
 }

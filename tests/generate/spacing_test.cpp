@@ -53,7 +53,7 @@ TEST(SourceDistance, IsZeroOnTheSource) {
     const Source s{3, {points.next(), points.next(), points.next()}, 1, 0, 1};
     EXPECT_NEAR(distance(s, (1.0 / 3.0) * (s.corner[0] + s.corner[1] + s.corner[2])), 0, 1e-14);
     EXPECT_NEAR(distance(s, 0.5 * (s.corner[0] + s.corner[2])), 0, 1e-14);
-    EXPECT_EQ(distance(s, s.corner[1]), 0);
+    EXPECT_NEAR(distance(s, s.corner[1]), 0, 1e-15);
   }
 }
 
