@@ -13,7 +13,9 @@
 
 namespace skein {
 
-/// Initialises MPI (thread level FUNNELED) and finalises it. One per program, in main().
+/// Initialises MPI (thread level FUNNELED) and finalises it. One per program, in main(). Catch exceptions inside its
+/// scope: when it is destroyed by an exception, or its rank alone fails, it ends all ranks at once instead of waiting
+/// for them.
 class Environment {
  public:
   Environment(int& argc, char**& argv);
@@ -27,7 +29,7 @@ enum class Op { kSum, kMin, kMax };
 /// Numbers that collectives can reduce.
 template <class T>
 concept Reducible = std::is_same_v<T, double> || std::is_same_v<T, std::int32_t> || std::is_same_v<T, std::int64_t> ||
-                    std::is_same_v<T, std::uint64_t>;
+    std::is_same_v<T, std::uint64_t>;
 /// Values that can be sent as bytes.
 template <class T>
 concept Sendable = std::is_trivially_copyable_v<T>;
@@ -53,11 +55,17 @@ class Comm {
   template <Reducible T>
   [[nodiscard]] T reduce(T v, Op op) const;
   template <Reducible T>
-  [[nodiscard]] T sum(T v) const { return reduce(v, Op::kSum); }
+  [[nodiscard]] T sum(T v) const {
+    return reduce(v, Op::kSum);
+  }
   template <Reducible T>
-  [[nodiscard]] T min(T v) const { return reduce(v, Op::kMin); }
+  [[nodiscard]] T min(T v) const {
+    return reduce(v, Op::kMin);
+  }
   template <Reducible T>
-  [[nodiscard]] T max(T v) const { return reduce(v, Op::kMax); }
+  [[nodiscard]] T max(T v) const {
+    return reduce(v, Op::kMax);
+  }
   /// Collective. Element by element, in place.
   template <Reducible T>
   void reduce(std::span<T> v, Op op) const;
@@ -76,11 +84,13 @@ class Comm {
   /// Collective. Rank 0's value on every rank.
   template <Sendable T>
   [[nodiscard]] T broadcast(const T& v) const;
+  /// Collective. Rank 0's text on every rank.
   [[nodiscard]] std::string broadcast(const std::string& s) const;
   /// Collective.
   void barrier() const;
 
-  /// Bytes that this rank has sent through this object so far (collectives and exchanges).
+  /// Bytes that this rank has sent to others through this object so far: exchanges as they are, of a collective what
+  /// this rank puts in, once.
   [[nodiscard]] std::int64_t bytes_sent() const noexcept;
 
   struct Impl;
@@ -94,6 +104,15 @@ class Comm {
 /// Collective. Runs `work` on every rank; when it throws on any, every rank throws the same Error: that of the lowest
 /// failing rank. `work` must not call a collective.
 void agree(const Comm& comm, const std::function<void()>& work);
+
+/// What agree() throws: an Error that all ranks have. Who catches it may go on with collectives and end normally;
+/// any other exception may be of one rank alone, and only abort_all() ends the run without a hang.
+class AgreedError : public Error {
+ public:
+  using Error::Error;
+};
+/// Not collective. Ends all ranks of the run at once, with this exit code. The caller has printed why.
+[[noreturn]] void abort_all(ExitCode code) noexcept;
 
 /// Seconds since some fixed moment.
 double wall_time() noexcept;

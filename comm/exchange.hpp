@@ -1,5 +1,6 @@
 // Sparse exchange: every rank sends blocks of items to a few others and gets theirs, sorted by source rank.
 #pragma once
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -35,7 +36,8 @@ Packets<T> exchange(const Comm& comm, std::span<const Rank> dest, std::span<cons
 }
 
 /// Collective. Sends one answer back for each item of `asked` (what exchange gave), in the same order; the result has
-/// one answer for each item that this rank had sent with `sent`, in that order. @pre answers.size() == asked.items.size().
+/// one answer for each item that this rank had sent with `sent`, in that order. @pre answers.size() ==
+/// asked.items.size().
 template <Sendable Q, Sendable A>
 std::vector<A> reply(const Comm& comm, const Packets<Q>& sent, const Packets<Q>& asked, std::span<const A> answers);
 

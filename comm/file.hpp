@@ -1,4 +1,4 @@
-// Files read and written by all ranks at once, each its own slices (MPI-IO).
+// Files read and written by all ranks at once, each its own slices.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -26,7 +26,8 @@ class InputFile {
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
   [[nodiscard]] std::int64_t size() const noexcept;  ///< bytes
-  /// Not collective. Fills `out` from byte `at`; throws Error(kInput) ("truncated") when the file ends before. Larger than 2 GiB is fine.
+  /// Not collective. Fills `out` from byte `at`; throws Error(kInput) ("truncated") when the file ends before. Larger
+  /// than 2 GiB is fine.
   void read(std::int64_t at, std::span<std::byte> out) const;
 
  private:
@@ -35,7 +36,7 @@ class InputFile {
 };
 
 /// A file written by all ranks under a temporary name beside `path`; commit() gives it its name. Without commit the
-/// temporary file is removed.
+/// temporary file is removed; an existing file is replaced by commit() only. `comm` must outlive the file.
 class OutputFile {
  public:
   /// Collective. Throws Error(kOutput) on all ranks when the folder is missing or cannot be written.
@@ -43,7 +44,8 @@ class OutputFile {
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
-  /// Not collective. Throws Error(kOutput) when the device is full.
+  /// Not collective. Throws Error(kOutput) when the device is full; commit() then fails, too. @pre slices of different
+  /// ranks do not overlap.
   void write(std::int64_t at, std::span<const std::byte> data);
   /// Collective. Syncs, checks that all was written, and renames. Throws Error(kOutput) on all ranks otherwise.
   void commit();

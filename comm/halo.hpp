@@ -1,5 +1,7 @@
 // Halo: values at the vertices that several ranks share, brought to the same bits on every copy.
 #pragma once
+#include <algorithm>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -7,8 +9,8 @@
 
 namespace skein {
 
-/// Which vertices this rank shares with whom. vert[i] ascending by global id, gid[i] its global id; the other ranks that have a copy
-/// are rank[offset[i] .. offset[i+1]), ascending, without this rank.
+/// Which vertices this rank shares with whom. vert[i] ascending by global id, gid[i] its global id; the other ranks
+/// that have a copy are rank[offset[i] .. offset[i+1]), ascending, without this rank.
 struct Sharing {
   std::vector<VertId> vert;
   std::vector<GlobalId> gid;
@@ -18,22 +20,31 @@ struct Sharing {
   [[nodiscard]] std::span<const Rank> others(std::size_t i) const noexcept {
     return {rank.data() + offset[i], offset[i + 1] - offset[i]};
   }
+  /// The owner of a shared vertex is the lowest rank that has it. Tells whether `self`, this rank, owns vert[i].
+  [[nodiscard]] bool owned(std::size_t i, Rank self) const noexcept { return self < rank[offset[i]]; }
 };
 
 /// Exchanges values at shared vertices. Every operation combines the copies in ascending rank order, so that all
 /// copies end with the same bits. The lists are made once; each call is one exchange with the neighbour ranks.
 class Halo {
  public:
-  /// Collective. @pre sharing is consistent: if a rank names another for a vertex, that one names it back.
+  /// Collective. @pre sharing is consistent: if a rank names another for a vertex, that one names it back. Throws
+  /// Error(kInternal) on all ranks when it is not. `comm` must outlive the Halo.
   Halo(const Comm& comm, const Sharing& sharing);
 
   /// Collective. values: `width` numbers per local vertex, vertex after vertex.
   template <Reducible T>
-  void sum(std::span<T> values, int width = 1) const { combine(values, width, Op::kSum); }
+  void sum(std::span<T> values, int width = 1) const {
+    combine(values, width, Op::kSum);
+  }
   template <Reducible T>
-  void min(std::span<T> values, int width = 1) const { combine(values, width, Op::kMin); }
+  void min(std::span<T> values, int width = 1) const {
+    combine(values, width, Op::kMin);
+  }
   template <Reducible T>
-  void max(std::span<T> values, int width = 1) const { combine(values, width, Op::kMax); }
+  void max(std::span<T> values, int width = 1) const {
+    combine(values, width, Op::kMax);
+  }
   /// Collective. The lowest rank's copy everywhere.
   template <Reducible T>
   void copy_from_owner(std::span<T> values, int width = 1) const;
@@ -41,12 +52,19 @@ class Halo {
  private:
   template <Reducible T>
   void combine(std::span<T> values, int width, Op op) const;
+  /// total = fold(...fold(copy of lowest rank, next)..., copy of highest rank) at every shared vertex.
+  template <Reducible T, class Fold>
+  void fold_copies(std::span<T> values, int width, Fold fold) const;
+  /// Sends in[k] of `item` bytes to the neighbour of entry k, and takes its copy into out[k].
+  void exchange_bytes(const void* in, void* out, std::size_t item) const;
+
   const Comm* comm_;
-  // per neighbour rank: the shared vertices in ascending global id (same order on both sides)
-  std::vector<Rank> neighbour_;
-  std::vector<std::size_t> offset_;
-  std::vector<VertId> vert_;
   Sharing sharing_;
+  // Per neighbour rank (ascending) the shared vertices, ascending by global id, so in the same order on both sides:
+  // entry_[offset_[n] .. offset_[n+1]) are indices into sharing_.
+  std::vector<Rank> neighbour_;
+  std::vector<std::size_t> offset_{0};
+  std::vector<std::size_t> entry_;
 };
 
 }  // namespace skein

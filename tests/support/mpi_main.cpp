@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <memory>
+#include <string>
 
 #include "tests/support/world.hpp"
 
@@ -15,17 +15,19 @@ const Comm* all_ranks = nullptr;
 class FailurePrinter : public ::testing::EmptyTestEventListener {
  public:
   explicit FailurePrinter(Rank rank) : rank_(num(rank)) {}
-  void OnTestPartResult(const ::testing::TestPartResult& r) override {
+  void OnTestStart(const ::testing::TestInfo& info) override {
+    name_ = std::string(info.test_suite_name()) + "." + info.name();
+  }
+  void OnTestPartResult(const ::testing::TestPartResult& r) override {  // must not ask UnitTest: it holds its lock
     if (!r.failed()) return;
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::fprintf(stderr, "[rank %d] %s.%s %s:%d\n%s\n", rank_, info != nullptr ? info->test_suite_name() : "-",
-                 info != nullptr ? info->name() : "-", r.file_name() != nullptr ? r.file_name() : "?", r.line_number(),
-                 r.message());
+    std::fprintf(stderr, "[rank %d] %s %s:%d\n%s\n", rank_, name_.c_str(),
+                 r.file_name() != nullptr ? r.file_name() : "?", r.line_number(), r.message());
     std::fflush(stderr);
   }
 
  private:
   int rank_;
+  std::string name_;
 };
 
 }  // namespace

@@ -1,0 +1,85 @@
+// Environment, Comm's life, clocks.
+#include "comm/comm.hpp"
+
+#include <sys/resource.h>
+#include <time.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+
+#include "comm/impl.hpp"
+
+namespace skein {
+namespace {
+
+bool mpi_running() noexcept {
+  int started = 0, finished = 0;
+  MPI_Initialized(&started);
+  MPI_Finalized(&finished);
+  return started != 0 && finished == 0;
+}
+
+Comm::Impl* duplicate(MPI_Comm from) {
+  auto* impl = new Comm::Impl;
+  MPI_Comm_dup(from, &impl->mpi);
+  MPI_Comm_rank(impl->mpi, &impl->rank);
+  MPI_Comm_size(impl->mpi, &impl->size);
+  return impl;
+}
+
+void destroy(Comm::Impl* impl) noexcept {
+  if (impl != nullptr && mpi_running()) MPI_Comm_free(&impl->mpi);
+  delete impl;
+}
+
+}  // namespace
+
+Environment::Environment(int& argc, char**& argv) {
+  int level = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
+}
+
+Environment::~Environment() {
+  if (!mpi_running()) return;
+  // An exception passes: the other ranks may wait for this one in a collective, and MPI_Finalize would wait for them.
+  if (std::uncaught_exceptions() > 0) abort_all(ExitCode::kInternal);
+  MPI_Finalize();
+}
+
+void abort_all(ExitCode code) noexcept {
+  if (mpi_running()) MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
+  std::_Exit(static_cast<int>(code));
+}
+
+Comm Comm::world() { return Comm(duplicate(MPI_COMM_WORLD)); }
+Comm Comm::self() { return Comm(duplicate(MPI_COMM_SELF)); }
+Comm::~Comm() { destroy(impl_); }
+Comm::Comm(Comm&& other) noexcept : impl_(other.impl_) { other.impl_ = nullptr; }
+Comm& Comm::operator=(Comm&& other) noexcept {
+  std::swap(impl_, other.impl_);
+  return *this;
+}
+
+Rank Comm::rank() const noexcept { return Rank{impl_->rank}; }
+int Comm::size() const noexcept { return impl_->size; }
+std::int64_t Comm::bytes_sent() const noexcept { return impl_->bytes_sent; }
+
+double wall_time() noexcept {
+  using Clock = std::chrono::steady_clock;
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+double cpu_time() noexcept {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::int64_t peak_memory() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::int64_t{usage.ru_maxrss} * 1024;
+}
+
+}  // namespace skein

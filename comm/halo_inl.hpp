@@ -1,0 +1,54 @@
+// Templates of halo.hpp.
+#pragma once
+#include "comm/halo.hpp"
+
+namespace skein {
+
+template <Reducible T, class Fold>
+void Halo::fold_copies(std::span<T> values, int width, Fold fold) const {
+  const auto w = static_cast<std::size_t>(width);
+  std::vector<T> mine(entry_.size() * w), theirs(entry_.size() * w);
+  const auto at = [&](std::size_t i) { return values.data() + idx(sharing_.vert[i]) * w; };
+  for (std::size_t k = 0; k < entry_.size(); ++k) std::copy_n(at(entry_[k]), w, mine.data() + k * w);
+  exchange_bytes(mine.data(), theirs.data(), w * sizeof(T));
+
+  // Ascending ranks, this one at its place; the first copy starts the value.
+  std::vector<T> total(sharing_.size() * w);
+  std::vector<std::uint8_t> started(sharing_.size(), 0);
+  const auto take = [&](std::size_t i, const T* copy) {
+    T* t = total.data() + i * w;
+    if (started[i] == 0) {
+      std::copy_n(copy, w, t);
+      started[i] = 1;
+    } else {
+      for (std::size_t c = 0; c < w; ++c) t[c] = fold(t[c], copy[c]);
+    }
+  };
+  std::size_t n = 0;
+  const auto take_neighbour = [&] {
+    for (std::size_t k = offset_[n]; k < offset_[n + 1]; ++k) take(entry_[k], theirs.data() + k * w);
+  };
+  for (; n < neighbour_.size() && neighbour_[n] < comm_->rank(); ++n) take_neighbour();
+  for (std::size_t i = 0; i < sharing_.size(); ++i) take(i, at(i));
+  for (; n < neighbour_.size(); ++n) take_neighbour();
+  for (std::size_t i = 0; i < sharing_.size(); ++i) std::copy_n(total.data() + i * w, w, at(i));
+}
+
+template <Reducible T>
+void Halo::combine(std::span<T> values, int width, Op op) const {
+  switch (op) {
+    case Op::kSum:
+      return fold_copies(values, width, [](T a, T b) { return a + b; });
+    case Op::kMin:
+      return fold_copies(values, width, [](T a, T b) { return b < a ? b : a; });
+    case Op::kMax:
+      return fold_copies(values, width, [](T a, T b) { return a < b ? b : a; });
+  }
+}
+
+template <Reducible T>
+void Halo::copy_from_owner(std::span<T> values, int width) const {
+  fold_copies(values, width, [](T a, T) { return a; });
+}
+
+}  // namespace skein

@@ -1,0 +1,31 @@
+// What Comm hides: the MPI communicator. Included by the .cpp files of comm/ only.
+#pragma once
+#include <mpi.h>
+
+#include "comm/comm.hpp"
+
+namespace skein {
+
+struct Comm::Impl {
+  MPI_Comm mpi = MPI_COMM_NULL;
+  int rank = 0;
+  int size = 1;
+  mutable std::int64_t bytes_sent = 0;
+  mutable unsigned announcements = 0;  ///< so that two of them in a row use different tags
+};
+
+namespace detail {
+
+/// MPI counts are ints: longer messages go in chunks of this many bytes.
+inline constexpr std::size_t kChunk = std::size_t{1} << 30;
+
+enum Tag : int { kTagReduce = 1, kTagGather = 2, kTagBlock = 3, kTagAnnounce = 4 /* and 5 */ };
+
+/// Calls send(first byte, bytes as int) for each chunk.
+template <class F>
+void for_chunks(std::size_t bytes, F f) {
+  for (std::size_t at = 0; at < bytes; at += kChunk) f(at, static_cast<int>(bytes - at < kChunk ? bytes - at : kChunk));
+}
+
+}  // namespace detail
+}  // namespace skein
