@@ -1,0 +1,109 @@
+// The rounds over the ranks.
+#include "adapt/adapt.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "adapt/local.hpp"
+#include "mesh/adjacency.hpp"
+#include "partition/interface.hpp"
+#include "partition/migrate.hpp"
+#include "partition/partition.hpp"
+#include "partition/reconcile.hpp"
+
+namespace skein {
+namespace {
+
+constexpr int kLayers = 4;        ///< by which interfaces between ranks move
+constexpr int kActiveLayers = 3;  ///< round old interfaces that are worked on again
+constexpr double kImbalance = 0.05;
+
+MetricField metric_from_data(const DistMesh& dist) {
+  MetricField f;
+  const std::size_t n = dist.mesh.vert_slots();
+  f.at.reserve(n);
+  f.log_at.reserve(n);
+  for (const VertId v : IdRange<VertId>(n)) {
+    const double* d = dist.data.at(v);
+    f.push_back_log({d[0], d[1], d[2], d[3], d[4], d[5]});
+  }
+  return f;
+}
+
+void data_from_metric(DistMesh& dist, const MetricField& f) {
+  dist.data.values.resize(6 * f.size());
+  for (const VertId v : IdRange<VertId>(f.size())) {
+    const SymTensor& l = f.log_at[v];
+    double* d = dist.data.at(v);
+    d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
+  }
+}
+
+/// The local part of a round: the kernel on this rank's mesh. Not collective.
+OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
+  MetricField metric = metric_from_data(dist);
+  const LocalResult r = adapt_local(dist.mesh, metric, options);
+  data_from_metric(dist, metric);
+  // Only shared vertices keep their numbers; they were frozen.
+  IdVector<VertId, GlobalId> gid(dist.mesh.vert_slots(), kNoGlobal);
+  for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
+    dist.sharing.vert[i] = r.old2new[dist.sharing.vert[i]];
+    gid[dist.sharing.vert[i]] = dist.sharing.gid[i];
+  }
+  dist.vert2gid = std::move(gid);
+  return r.counts;
+}
+
+void balance(const Comm& comm, DistMesh& dist) {
+  const auto work = predicted_work(dist);
+  const double mine = std::accumulate(work.begin(), work.end(), 0.0);
+  const double mean = comm.sum(mine) / comm.size();
+  if (comm.max(mine) > (1 + kImbalance) * mean) migrate(comm, dist, partition(comm, dist, work, comm.size()));
+}
+
+}  // namespace
+
+void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseLog& log) {
+  LocalOptions local;
+  local.threads = options.threads;
+  local.spacing = options.spacing;
+  local.kernel.surface = options.surface;
+  local.kernel.centroid_points = options.points == PointCreation::kCentroids;
+  agree(comm, [&] {
+    if (dist.data.width != 6) throw Error(ExitCode::kInternal, "adapt needs the log-metric and nothing else as data");
+  });
+  for (auto& f : dist.mesh.vert_flags) f |= kActive;
+  const int rounds = comm.size() == 1 ? 1 : std::max(1, options.rounds);
+  for (int round = 0; round < rounds; ++round) {
+    log.start(fmt::format("round {}: partition", round + 1));
+    if (comm.size() > 1) {
+      if (round == 0) {
+        balance(comm, dist);
+      } else {
+        mark_active_band(comm, dist, kActiveLayers);
+        migrate(comm, dist, displace_interface(comm, dist, kLayers, round));
+      }
+    }
+    log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+    log.start(fmt::format("round {}: adapt", round + 1));
+    agree(comm, [&] {
+      const double begin = wall_time();
+      const OperationCounts c = adapt_rank(dist, local);
+      log.busy(wall_time() - begin);
+      log.count("insert", c.insert);
+      log.count("collapse", c.collapse);
+      log.count("swap", c.swap);
+      log.count("smooth", c.smooth);
+    });
+    number_new_vertices(comm, dist);
+    log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  }
+  log.start("reconcile");
+  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
+  reconcile(comm, dist);
+  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+}
+
+}  // namespace skein

@@ -1,0 +1,27 @@
+// The rounds: adapt every part with its interface frozen, then move the interfaces.
+#pragma once
+#include "comm/comm.hpp"
+#include "metric/spacing.hpp"
+#include "partition/dist_mesh.hpp"
+#include "report/phase_log.hpp"
+
+namespace skein {
+
+/// How points are created: along long edges at metric-unit steps, or at centroids with exclusion zones [35.2.3.2].
+enum class PointCreation { kEdges, kCentroids };
+
+struct AdaptOptions {
+  int rounds = 3;   ///< rounds over the ranks; later ones work only round the old interfaces
+  int threads = 1;  ///< threads in each rank
+  PointCreation points = PointCreation::kEdges;
+  bool surface = true;  ///< boundary faces may change (false: the boundary triangulation is kept as it is)
+  const SpacingField* spacing =
+      nullptr;  ///< evaluated at every new vertex and intersected with the interpolated metric
+};
+
+/// Collective. Adapts the mesh to the metric whose logarithm is the first 6 numbers (Medit order) of dist.data at every
+/// vertex. The result is compact, balanced to what the rounds left, checked by reconcile(); new vertices have
+/// interpolated data.
+void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseLog& log);
+
+}  // namespace skein

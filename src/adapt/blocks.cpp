@@ -1,0 +1,306 @@
+// Blocks: labels, cutting and joining.
+#include "adapt/blocks.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace skein {
+namespace {
+
+constexpr std::uint8_t kWasFrozen = 64;  ///< scratch bit of vert_flags: frozen before the cut
+
+double predicted(const TetMesh& m, const MetricField& metric, TetId t) noexcept {
+  const auto& v = m.tet2vert[t];
+  std::uint8_t flags = 0;
+  double density = 0;
+  for (const VertId w : v) {
+    flags |= m.vert_flags[w];
+    density += metric.at[w].sqrt_det / 4;
+  }
+  if ((flags & kActive) == 0) return 0.02;
+  return 1 + 10 * density * std::abs(volume6(m, t)) / 6;
+}
+
+}  // namespace
+
+BlockLabels cut_blocks(const TetMesh& m, const MetricField& metric, int blocks) {
+  const std::size_t n = m.tet_slots();
+  std::vector<double> upto(n + 1, 0);
+  for (const TetId t : IdRange<TetId>(n)) upto[idx(t) + 1] = upto[idx(t)] + predicted(m, metric, t);
+  BlockLabels label(n);
+  for (const TetId t : IdRange<TetId>(n)) {
+    const double middle = 0.5 * (upto[idx(t)] + upto[idx(t) + 1]);
+    const int b = upto[n] > 0 ? static_cast<int>(middle / upto[n] * blocks) : 0;
+    label[t] = std::clamp(b, 0, blocks - 1);
+  }
+  return label;
+}
+
+IdVector<VertId, char> between_blocks(const TetMesh& m, const BlockLabels& label) {
+  IdVector<VertId, std::int32_t> first(m.vert_slots(), -1);
+  IdVector<VertId, char> between(m.vert_slots(), 0);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (const VertId v : m.tet2vert[t]) {
+      if (first[v] < 0) first[v] = label[t];
+      if (first[v] != label[t]) between[v] = 1;
+    }
+  }
+  return between;
+}
+
+BlockLabels displace_blocks(const TetMesh& m, const BlockLabels& label, int blocks, int layers, int turn) {
+  const auto between = between_blocks(m, label);
+  const auto priority = [&](int b) { return (b + turn) % blocks; };
+  // The winner at each vertex that has one, spread layer by layer.
+  IdVector<VertId, std::int32_t> winner(m.vert_slots(), -1);
+  const auto improve = [&](std::int32_t& w, std::int32_t b) {
+    if (w < 0 || priority(b) > priority(w)) w = b;
+  };
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (const VertId v : m.tet2vert[t]) {
+      if (between[v] != 0) improve(winner[v], label[t]);
+    }
+  }
+  const auto best_at = [&](const IdVector<VertId, std::int32_t>& w, TetId t) {
+    std::int32_t best = -1;
+    for (const VertId v : m.tet2vert[t]) {
+      if (w[v] >= 0) improve(best, w[v]);
+    }
+    return best;
+  };
+  for (int layer = 0; layer < layers; ++layer) {
+    const auto before = winner;
+    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+      const std::int32_t best = best_at(before, t);
+      if (best < 0) continue;
+      for (const VertId v : m.tet2vert[t]) {
+        if (before[v] < 0) improve(winner[v], best);
+      }
+    }
+  }
+  BlockLabels out = label;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    const std::int32_t best = best_at(winner, t);
+    if (best >= 0) out[t] = best;
+  }
+  return out;
+}
+
+void keep_active_near_blocks(TetMesh& m, const BlockLabels& label, int layers) {
+  auto near = between_blocks(m, label);
+  for (int layer = 0; layer < layers; ++layer) {
+    const auto before = near;
+    for (const auto& tv : m.tet2vert) {
+      const bool touched = before[tv[0]] != 0 || before[tv[1]] != 0 || before[tv[2]] != 0 || before[tv[3]] != 0;
+      if (!touched) continue;
+      for (const VertId v : tv) near[v] = 1;
+    }
+  }
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    if (near[v] == 0) m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~kActive);
+  }
+}
+
+namespace {
+
+/// Vertices of the block in order of first appearance, and their flags.
+void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector<TetId>& tets,
+                  const IdVector<VertId, char>& between, IdVector<VertId, VertId>& to_block, Block& out) {
+  Part& p = out.part;
+  for (const TetId t : tets) {
+    for (const VertId v : m.tet2vert[t]) {
+      if (to_block[v] != kNoVert) continue;
+      const VertId w = p.mesh.coords.push_back(m.coords[v]);
+      to_block[v] = w;
+      p.mesh.vert_ref.push_back(m.vert_ref[v]);
+      std::uint8_t flags = m.vert_flags[v];
+      if ((flags & kFrozen) != 0) {
+        out.frozen.push_back(w);
+        out.frozen_of.push_back(v);
+      }
+      if (between[v] != 0) {
+        out.common.push_back(w);
+        out.common_of.push_back(v);
+        if ((flags & kFrozen) != 0) flags |= kWasFrozen;
+        flags |= kFrozen;
+      }
+      p.mesh.vert_flags.push_back(flags);
+      p.mesh.vert2tet.push_back(kNoTet);
+      p.metric.at.push_back(metric.at[v]);
+      p.metric.log_at.push_back(metric.log_at[v]);
+    }
+  }
+}
+
+void cut_features(const TetMesh& m, TetId t, const IdVector<VertId, VertId>& to_block, FeatureEdges& features) {
+  const auto& tv = m.tet2vert[t];
+  for (const auto& e : kEdgeVerts) {
+    const VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
+    if (!m.has(a, kRidge) || !m.has(b, kRidge)) continue;
+    const FeatureEdge* f = m.features.find(a, b);
+    if (f != nullptr) features.insert(to_block[a], to_block[b], f->ref, f->ridge);
+  }
+}
+
+}  // namespace
+
+Block cut_block(const TetMesh& m, const MetricField& metric, const BlockLabels& label,
+                const IdVector<VertId, char>& between, int b) {
+  Block out;
+  std::vector<TetId> tets;
+  IdVector<TetId, TetId> tet2block(m.tet_slots(), kNoTet);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (label[t] != b) continue;
+    tet2block[t] = to_id<TetId>(tets.size());
+    tets.push_back(t);
+  }
+  IdVector<VertId, VertId> to_block(m.vert_slots(), kNoVert);
+  cut_vertices(m, metric, tets, between, to_block, out);
+  TetMesh& bm = out.part.mesh;
+  bm.tet2vert.reserve(tets.size());
+  bm.tet2face.reserve(tets.size());
+  for (const TetId t : tets) {
+    std::array<VertId, 4> tv;
+    std::array<FaceId, 4> tf;
+    for (std::size_t i = 0; i < 4; ++i) {
+      tv[i] = to_block[m.tet2vert[t][i]];
+      const FaceId nb = m.tet2face[t][i];
+      const bool inside = nb != kNoFace && tet2block[face_tet(nb)] != kNoTet;
+      tf[i] = inside ? make_face(tet2block[face_tet(nb)], face_side(nb)) : kNoFace;
+    }
+    const TetId bt = bm.tet2vert.push_back(tv);
+    bm.tet2face.push_back(tf);
+    for (const VertId v : tv) bm.vert2tet[v] = bt;
+    bm.face_tag.push_back(m.face_tag[t]);
+    bm.tet_ref.push_back(m.tet_ref[t]);
+    cut_features(m, t, to_block, bm.features);
+  }
+  bm.patch_ref = m.patch_ref;
+  return out;
+}
+
+namespace {
+
+/// Joins what the blocks have in common; numbers the rest behind one another.
+class Joiner {
+ public:
+  Joiner(std::vector<Block>& blocks, std::size_t old_verts) : blocks_(blocks) {
+    out_.old2new.assign(old_verts, kNoVert);
+    std::size_t tets = 0, verts = 0;
+    for (const Block& b : blocks) {
+      tets += b.part.mesh.tet_slots() - b.part.free_tets.size();
+      verts += b.part.mesh.vert_slots();
+    }
+    out_.mesh.tet2vert.reserve(tets);
+    out_.mesh.tet2face.reserve(tets);
+    out_.mesh.face_tag.reserve(tets);
+    out_.mesh.tet_ref.reserve(tets);
+    out_.mesh.coords.reserve(verts);
+    out_.metric.at.reserve(verts);
+    out_.metric.log_at.reserve(verts);
+  }
+
+  Merged run() {
+    out_.mesh.patch_ref = blocks_.front().part.mesh.patch_ref;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      add_vertices(blocks_[b]);
+      add_tets(blocks_[b], static_cast<int>(b));
+      for (const FeatureEdge& e : blocks_[b].part.mesh.features.list()) {
+        out_.mesh.features.insert(new_of_[e.a], new_of_[e.b], e.ref, e.ridge);
+      }
+      blocks_[b] = Block{};
+    }
+    match_faces();
+    return std::move(out_);
+  }
+
+ private:
+  void add_vertices(const Block& block) {
+    const TetMesh& m = block.part.mesh;
+    new_of_.assign(m.vert_slots(), kNoVert);
+    for (std::size_t i = 0; i < block.common.size(); ++i) {
+      const VertId v = block.common[i];
+      VertId& merged = out_.old2new[block.common_of[i]];
+      if (merged == kNoVert) {
+        std::uint8_t flags = m.vert_flags[v];
+        if ((flags & kWasFrozen) == 0) flags = static_cast<std::uint8_t>(flags & ~kFrozen);
+        merged = append(block.part, v, static_cast<std::uint8_t>(flags & ~kWasFrozen));
+      }
+      new_of_[v] = merged;
+    }
+    for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+      if (m.is_live(v) && new_of_[v] == kNoVert) new_of_[v] = append(block.part, v, m.vert_flags[v]);
+    }
+    for (std::size_t i = 0; i < block.frozen.size(); ++i) out_.old2new[block.frozen_of[i]] = new_of_[block.frozen[i]];
+  }
+
+  VertId append(const Part& p, VertId v, std::uint8_t flags) {
+    out_.mesh.vert_ref.push_back(p.mesh.vert_ref[v]);
+    out_.mesh.vert_flags.push_back(flags);
+    out_.mesh.vert2tet.push_back(kNoTet);
+    out_.metric.at.push_back(p.metric.at[v]);
+    out_.metric.log_at.push_back(p.metric.log_at[v]);
+    return out_.mesh.coords.push_back(p.mesh.coords[v]);
+  }
+
+  void add_tets(const Block& block, int b) {
+    const TetMesh& m = block.part.mesh;
+    IdVector<TetId, TetId> tet2new(m.tet_slots(), kNoTet);
+    std::size_t next = out_.mesh.tet_slots();
+    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+      if (m.is_live(t)) tet2new[t] = to_id<TetId>(next++);
+    }
+    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+      if (!m.is_live(t)) continue;
+      auto tv = m.tet2vert[t];
+      auto tf = m.tet2face[t];
+      for (std::size_t i = 0; i < 4; ++i) {
+        tv[i] = new_of_[tv[i]];
+        out_.mesh.vert2tet[tv[i]] = tet2new[t];
+        if (tf[i] != kNoFace) {
+          tf[i] = make_face(tet2new[face_tet(tf[i])], face_side(tf[i]));
+        } else if (!is_hull(m.face_tag[t][i])) {
+          open_.push_back(make_face(tet2new[t], static_cast<int>(i)));
+        }
+      }
+      out_.mesh.tet2vert.push_back(tv);
+      out_.mesh.tet2face.push_back(tf);
+      out_.mesh.face_tag.push_back(m.face_tag[t]);
+      out_.mesh.tet_ref.push_back(m.tet_ref[t]);
+      out_.label.push_back(b);
+    }
+  }
+
+  void match_faces() {
+    struct Key {
+      std::array<VertId, 3> v;
+      FaceId f;
+      bool operator<(const Key& o) const noexcept { return v != o.v ? v < o.v : f < o.f; }
+    };
+    std::vector<Key> keys;
+    keys.reserve(open_.size());
+    for (const FaceId f : open_) {
+      auto v = face_verts(out_.mesh, f);
+      std::sort(v.begin(), v.end());
+      keys.push_back({v, f});
+    }
+    std::sort(keys.begin(), keys.end());
+    for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
+      if (keys[i].v != keys[i + 1].v) continue;
+      const FaceId f = keys[i].f, g = keys[i + 1].f;
+      out_.mesh.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g;
+      out_.mesh.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
+    }
+  }
+
+  std::vector<Block>& blocks_;
+  Merged out_;
+  IdVector<VertId, VertId> new_of_;
+  std::vector<FaceId> open_;
+};
+
+}  // namespace
+
+Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts) { return Joiner(blocks, old_verts).run(); }
+
+}  // namespace skein

@@ -1,0 +1,53 @@
+// Blocks: a rank's mesh cut into one part per thread, and put together again.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "kernel/part.hpp"
+
+namespace skein {
+
+/// Which thread works on each tetrahedron.
+using BlockLabels = IdVector<TetId, std::int32_t>;
+
+/// The block of each tetrahedron: contiguous in their order (that of the Hilbert curve after compact()), of equal
+/// predicted work: 1 + 10 sqrt(det M) V for tetrahedra with an active vertex, little for the others. @pre no free
+/// slots.
+BlockLabels cut_blocks(const TetMesh& mesh, const MetricField& metric, int blocks);
+
+/// Vertices with tetrahedra of several blocks: true.
+IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);
+
+/// New labels such that old interfaces between blocks become interior: the block of highest priority (a permutation
+/// that changes with `turn`) at each interface vertex takes its tetrahedra and `layers` layers more.
+BlockLabels displace_blocks(const TetMesh& mesh, const BlockLabels& label, int blocks, int layers, int turn);
+
+/// Keeps kActive only within `layers` edges of vertices between blocks.
+void keep_active_near_blocks(TetMesh& mesh, const BlockLabels& label, int layers);
+
+/// One part with what leads back to the mesh it was cut from.
+struct Block {
+  Part part;
+  std::vector<VertId> common;     ///< the part's vertices that other blocks have, too (frozen), ascending
+  std::vector<VertId> common_of;  ///< ... and their number in the whole mesh
+  std::vector<VertId>
+      frozen;  ///< the part's vertices that were frozen before the cut, ascending (shared with other ranks)
+  std::vector<VertId> frozen_of;  ///< ... and their number in the whole mesh
+};
+
+/// Cuts block b out of the mesh. Faces to other blocks have no neighbour; their vertices are frozen. Thread-safe.
+Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabels& label,
+                const IdVector<VertId, char>& between, int b);
+
+/// What merge_blocks gives: the whole mesh again.
+struct Merged {
+  TetMesh mesh;
+  MetricField metric;
+  BlockLabels label;                 ///< the block each tetrahedron comes from
+  IdVector<VertId, VertId> old2new;  ///< for vertices of the mesh before the cut that were frozen; kNoVert for others
+};
+/// Joins the blocks (which it empties): common vertices become one again, faces between blocks are matched. @pre the
+/// interfaces are as they were cut. `old_verts`: number of vertices before the cut.
+Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts);
+
+}  // namespace skein

@@ -1,0 +1,127 @@
+// Adapting one rank's mesh with its threads.
+#include "adapt/local.hpp"
+
+#include <omp.h>
+
+#include <exception>
+
+#include "adapt/blocks.hpp"
+#include "kernel/passes.hpp"
+#include "mesh/adjacency.hpp"
+
+namespace skein {
+namespace {
+
+constexpr int kLayers = 3;               ///< by which interfaces of blocks move
+constexpr int kActiveLayers = 2;         ///< round old interfaces that are worked on again
+constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which threads do not pay
+
+void run(Part& part, const LocalOptions& o) {
+  part.options = o.kernel;
+  part.spacing = o.spacing;
+  prepare(part);
+  adapt_part(part);
+}
+
+template <class Id, class T>
+void permute(IdVector<Id, T>& v, const IdVector<Id, Id>& old2new, std::size_t n) {
+  IdVector<Id, T> out(n);
+  for (const Id i : IdRange<Id>(v.size())) {
+    if (old2new[i] != to_id<Id>(-1)) out[old2new[i]] = v[i];
+  }
+  v = std::move(out);
+}
+
+/// Compacts mesh and metric together; follows the numbers in old2new.
+void compact_all(TetMesh& mesh, MetricField& metric, IdVector<VertId, VertId>& old2new) {
+  const auto step = compact(mesh);
+  permute(metric.at, step, mesh.vert_slots());
+  permute(metric.log_at, step, mesh.vert_slots());
+  for (auto& v : old2new) {
+    if (v != kNoVert) v = step[v];
+  }
+}
+
+IdVector<VertId, VertId> identity_of_frozen(const TetMesh& mesh) {
+  IdVector<VertId, VertId> out(mesh.vert_slots(), kNoVert);
+  for (const VertId v : IdRange<VertId>(mesh.vert_slots())) {
+    if (mesh.has(v, kFrozen)) out[v] = v;
+  }
+  return out;
+}
+
+OperationCounts run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o) {
+  Part part;
+  part.mesh = std::move(mesh);
+  part.metric = std::move(metric);
+  run(part, o);
+  mesh = std::move(part.mesh);
+  metric = std::move(part.metric);
+  return part.counts;
+}
+
+/// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the labels of the result.
+BlockLabels run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
+                       LocalResult& result) {
+  const auto between = between_blocks(mesh, label);
+  std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
+  std::vector<std::exception_ptr> failed(blocks.size());
+#pragma omp parallel for num_threads(o.threads) schedule(static, 1)
+  for (int b = 0; b < o.threads; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    try {
+      blocks[i] = cut_block(mesh, metric, label, between, b);
+    } catch (...) {
+      failed[i] = std::current_exception();
+    }
+  }
+  for (const auto& e : failed) {
+    if (e) std::rethrow_exception(e);
+  }
+  const std::size_t old_verts = mesh.vert_slots();
+  mesh = TetMesh{};
+  metric = MetricField{};
+#pragma omp parallel for num_threads(o.threads) schedule(static, 1)
+  for (int b = 0; b < o.threads; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    try {
+      run(blocks[i].part, o);
+    } catch (...) {
+      failed[i] = std::current_exception();
+    }
+  }
+  for (const auto& e : failed) {
+    if (e) std::rethrow_exception(e);
+  }
+  for (const Block& b : blocks) result.counts += b.part.counts;
+  Merged merged = merge_blocks(blocks, old_verts);
+  for (auto& v : result.old2new) {
+    if (v != kNoVert) v = merged.old2new[v];
+  }
+  mesh = std::move(merged.mesh);
+  metric = std::move(merged.metric);
+  return std::move(merged.label);
+}
+
+}  // namespace
+
+LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& o) {
+  LocalResult result;
+  result.old2new = identity_of_frozen(mesh);
+  if (mesh.tet_slots() == 0) return result;
+  if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads)) {
+    result.counts = run_alone(mesh, metric, o);
+  } else {
+    BlockLabels label = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);
+    // Two turns suffice for two blocks; where three meet, a third one takes what the second had to leave.
+    const int turns = o.threads == 2 ? 1 : 2;
+    for (int turn = 1; turn <= turns; ++turn) {
+      keep_active_near_blocks(mesh, label, kActiveLayers);
+      label = run_blocks(mesh, metric, displace_blocks(mesh, label, o.threads, kLayers, turn), o, result);
+    }
+  }
+  compact_all(mesh, metric, result.old2new);
+  return result;
+}
+
+}  // namespace skein

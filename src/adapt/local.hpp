@@ -1,0 +1,23 @@
+// Adapting one rank's mesh with its threads; the interface to other ranks stays.
+#pragma once
+#include "kernel/part.hpp"
+
+namespace skein {
+
+struct LocalOptions {
+  int threads = 1;
+  KernelOptions kernel;
+  const SpacingField* spacing = nullptr;
+};
+struct LocalResult {
+  OperationCounts counts;
+  /// For vertices that were frozen on entry: their new numbers. kNoVert for others.
+  IdVector<VertId, VertId> old2new;
+};
+
+/// Adapts the mesh where vertices are kActive, leaving kFrozen ones as they are, with `threads` threads: the mesh is
+/// cut into blocks, each adapted by a thread; then the interfaces of the blocks are moved and their bands worked on
+/// again. The result is compact. Not collective. The same input and threads give the same result.
+LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& options);
+
+}  // namespace skein
