@@ -110,8 +110,13 @@ DistMesh generate(const Comm& comm, const MeshSlice& surface, const GenerateOpti
     const double l = -2 * std::log(size);  // logarithm of the isotropic metric 1/size^2
     metric.values.insert(metric.values.end(), {l, 0, l, 0, 0, l});
   }
-  DistMesh dist = distribute(comm, coarse.mesh, metric);
+  DistributeOptions distribute_options;
+  distribute_options.ridge_angle = options.ridge_angle;
+  distribute_options.work_from_metric = true;
+  log.start("distribute");
+  DistMesh dist = distribute(comm, coarse.mesh, &metric, distribute_options);
   coarse = {};
+  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   AdaptOptions adapt_options = options.adapt;
   adapt_options.surface = !options.keep_surface;
   adapt_options.spacing = &field;

@@ -13,7 +13,7 @@ struct GenerateOptions {
   SpacingField sources;       ///< the strictest of these and of the boundary spacing holds
   double size_max = 1e300;    ///< largest spacing anywhere; length
   double growth = 0.3;        ///< how fast the boundary spacing may grow inwards: spacing gained per distance
-  double ridge_angle = 40;    ///< surface edges folded more than this are ridges; degrees
+  double ridge_angle = 45;    ///< surface edges folded more than this are ridges; degrees
   bool keep_surface = false;  ///< the surface triangulation stays as it is, whatever sources and size_max ask for
   AdaptOptions adapt;         ///< surface and spacing are set by generate()
 };

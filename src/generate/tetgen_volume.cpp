@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "mesh/error.hpp"
+#include "mesh/predicates.hpp"
 
 #ifdef SKEIN_WITH_TETGEN
 // TetGen ends through terminatetetgen(), which frees what its destructor then frees again: an error would crash. The
@@ -150,7 +151,7 @@ Volume take_output(const MeshSlice& mesh, std::size_t seeds, const tetgenio& out
     const int* v = out.tetrahedronlist + static_cast<std::ptrdiff_t>(t) * out.numberofcorners;
     std::array<GlobalId, 4> tet;
     for (std::size_t k = 0; k < 4; ++k) tet[k] = number[static_cast<std::size_t>(v[k])];
-    if (volume6(coords(tet[0]), coords(tet[1]), coords(tet[2]), coords(tet[3])) < 0) std::swap(tet[2], tet[3]);
+    if (orient3d_sign(coords(tet[0]), coords(tet[1]), coords(tet[2]), coords(tet[3])) < 0) std::swap(tet[2], tet[3]);
     volume.tets.push_back(tet);
   }
   return volume;
