@@ -29,8 +29,8 @@ struct DistMesh {
   TetMesh mesh;
   VertexData data;
   IdVector<VertId, GlobalId> vert2gid;
-  Sharing sharing;                  ///< the vertices that other ranks have, too
-  std::int64_t global_verts = 0;    ///< over all ranks, shared ones once
+  Sharing sharing;                ///< the vertices that other ranks have, too
+  std::int64_t global_verts = 0;  ///< over all ranks, shared ones once
   std::int64_t global_tets = 0;
 };
 

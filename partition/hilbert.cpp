@@ -1,0 +1,91 @@
+// Weighted quantiles of distributed keys, and the Hilbert partition by them.
+#include "partition/hilbert.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "partition/rendezvous.hpp"
+
+namespace skein {
+namespace {
+
+/// Work of the local keys below any key, by the sorted keys and their running sums.
+class WorkBelow {
+ public:
+  WorkBelow(std::span<const std::uint64_t> keys, std::span<const double> work) : sorted_(keys.size()) {
+    for (std::size_t i = 0; i < keys.size(); ++i) sorted_[i] = {keys[i], static_cast<std::uint32_t>(i)};
+    radix_sort(sorted_);
+    sum_.resize(keys.size() + 1, 0.0);
+    for (std::size_t i = 0; i < keys.size(); ++i) sum_[i + 1] = sum_[i] + work[sorted_[i].index];
+  }
+  [[nodiscard]] double operator()(std::uint64_t key) const noexcept {
+    const auto it = std::lower_bound(sorted_.begin(), sorted_.end(), key,
+                                     [](const KeyIndex& k, std::uint64_t v) { return k.key < v; });
+    return sum_[static_cast<std::size_t>(it - sorted_.begin())];
+  }
+  [[nodiscard]] double total() const noexcept { return sum_.back(); }
+
+ private:
+  std::vector<KeyIndex> sorted_;
+  std::vector<double> sum_;
+};
+
+constexpr int kKeyBits = 64, kStepBits = 4;
+constexpr std::size_t kProbes = (1u << kStepBits) - 1;
+
+}  // namespace
+
+Box global_box(const Comm& comm, std::span<const Vec3> points) {
+  constexpr double kBig = std::numeric_limits<double>::max();
+  std::array<double, 6> b{kBig, kBig, kBig, kBig, kBig, kBig};  // minima of x and of -x
+  for (const Vec3 x : points) {
+    const std::array<double, 6> v{x.x, x.y, x.z, -x.x, -x.y, -x.z};
+    for (std::size_t i = 0; i < 6; ++i) b[i] = std::min(b[i], v[i]);
+  }
+  comm.reduce(std::span<double>(b), Op::kMin);
+  return {{b[0], b[1], b[2]}, {-b[3], -b[4], -b[5]}};
+}
+
+std::vector<Rank> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys, std::span<const double> work,
+                           int parts) {
+  const WorkBelow below(keys, work);
+  const double total = comm.sum(below.total());
+  const auto cuts = static_cast<std::size_t>(std::max(0, parts - 1));
+  // low[p]: the largest key known with less than the wanted work below it. Each step tries 15 keys above it.
+  std::vector<std::uint64_t> low(cuts, 0);
+  std::vector<double> probe(cuts * kProbes);
+  for (int shift = kKeyBits - kStepBits; shift >= 0; shift -= kStepBits) {
+    for (std::size_t p = 0; p < cuts; ++p) {
+      for (std::size_t k = 0; k < kProbes; ++k)
+        probe[p * kProbes + k] = below(low[p] + (static_cast<std::uint64_t>(k + 1) << shift));
+    }
+    comm.reduce(std::span<double>(probe), Op::kSum);
+    for (std::size_t p = 0; p < cuts; ++p) {
+      const double wanted = total * static_cast<double>(p + 1) / static_cast<double>(parts);
+      std::size_t k = 0;
+      while (k < kProbes && probe[p * kProbes + k] < wanted) ++k;
+      low[p] += static_cast<std::uint64_t>(k) << shift;
+    }
+  }
+  // low[p] is now the key whose work crosses the wanted sum: it is the last one below the cut.
+  std::vector<Rank> part(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    part[i] = to_id<Rank>(std::lower_bound(low.begin(), low.end(), keys[i]) - low.begin());
+  return part;
+}
+
+IdVector<TetId, Rank> hilbert_partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work,
+                                        int parts) {
+  const TetMesh& m = dist.mesh;
+  const Box box = global_box(comm, m.coords.raw());
+  std::vector<std::uint64_t> keys(m.tet_slots());
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    Vec3 sum;
+    for (const VertId v : m.tet2vert[t]) sum += m.coords[v];
+    keys[idx(t)] = hilbert_key(0.25 * sum, box);
+  }
+  return IdVector<TetId, Rank>(cut_keys(comm, keys, tet_work, parts));
+}
+
+}  // namespace skein

@@ -1,0 +1,120 @@
+// Choice of the partitioner, predicted work and partition statistics.
+#include "partition/partition.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "partition/hilbert.hpp"
+#include "partition/interface_faces.hpp"
+
+namespace skein {
+
+IdVector<TetId, Rank> partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work, int parts,
+                                PartitionMethod method) {
+  switch (method) {
+    case PartitionMethod::kHilbert:
+      return hilbert_partition(comm, dist, tet_work, parts);
+  }
+  return {};
+}
+
+std::vector<double> predicted_work(const DistMesh& dist) {
+  constexpr double kTetsPerComplexity = 10;
+  const TetMesh& m = dist.mesh;
+  std::vector<double> work(m.tet_slots(), 1.0);
+  if (dist.data.width < 6) return work;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    double trace = 0;  // of log M: sqrt(det M) = exp(trace / 2)
+    for (const VertId v : m.tet2vert[t]) {
+      const double* l = dist.data.at(v);
+      trace += 0.25 * (l[0] + l[2] + l[5]);
+    }
+    work[idx(t)] += kTetsPerComplexity * std::exp(0.5 * trace) * std::abs(volume6(m, t)) / 6;
+  }
+  return work;
+}
+
+namespace {
+
+/// Sets of indices, joined; the root of a set is its smallest member.
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  std::int32_t root(std::int32_t i) noexcept {
+    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
+    return i;
+  }
+  void join(std::int32_t i, std::int32_t j) noexcept {
+    i = root(i);
+    j = root(j);
+    parent_[at(std::max(i, j))] = std::min(i, j);
+  }
+
+ private:
+  static std::size_t at(std::int32_t i) noexcept { return static_cast<std::size_t>(i); }
+  std::vector<std::int32_t> parent_;
+};
+
+/// Pieces of the parts over all ranks: local pieces by joined sets; then the lowest number spreads over the interface.
+std::int64_t count_components(const Comm& comm, const DistMesh& dist, const IdVector<TetId, Rank>& part,
+                              const std::vector<InterfaceFace>& faces, const std::vector<Rank>& other_part) {
+  const TetMesh& m = dist.mesh;
+  Sets sets(m.tet_slots());
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (const FaceId f : m.tet2face[t]) {
+      if (f != kNoFace && face_tet(f) < t && part[face_tet(f)] == part[t]) sets.join(num(t), num(face_tet(f)));
+    }
+  }
+  const auto first = comm.exclusive_sum(static_cast<std::int64_t>(m.tet_slots()));
+  std::vector<std::int64_t> label(m.tet_slots());
+  for (std::size_t t = 0; t < label.size(); ++t) label[t] = first + static_cast<std::int64_t>(t);
+  std::int32_t changed = 1;
+  while (comm.max(changed) != 0) {
+    changed = 0;
+    std::vector<std::int64_t> mine(faces.size());
+    const auto label_at = [&](std::size_t i) -> std::int64_t& {
+      return label[static_cast<std::size_t>(sets.root(num(face_tet(faces[i].mine))))];
+    };
+    for (std::size_t i = 0; i < faces.size(); ++i) mine[i] = label_at(i);
+    const auto theirs = swap_over_interface(comm, faces, mine);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      if (other_part[i] != part[face_tet(faces[i].mine)] || theirs[i] >= label_at(i)) continue;
+      label_at(i) = theirs[i];
+      changed = 1;
+    }
+  }
+  std::int64_t count = 0;
+  for (std::size_t t = 0; t < label.size(); ++t) {
+    const auto i = static_cast<std::int32_t>(t);
+    if (sets.root(i) == i && label[t] == first + i) ++count;
+  }
+  return comm.sum(count);
+}
+
+}  // namespace
+
+PartitionStats partition_stats(const Comm& comm, const DistMesh& dist, const IdVector<TetId, Rank>& part,
+                               std::span<const double> tet_work, int parts) {
+  const TetMesh& m = dist.mesh;
+  PartitionStats stats;
+  const auto faces = match_interface(comm, dist);
+  std::vector<Rank> mine(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) mine[i] = part[face_tet(faces[i].mine)];
+  const auto other_part = swap_over_interface(comm, faces, mine);
+  std::int64_t cut = 0;
+  for (std::size_t i = 0; i < faces.size(); ++i) cut += mine[i] < other_part[i] ? 1 : 0;
+  std::vector<double> work(static_cast<std::size_t>(parts), 0.0);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    work[idx(part[t])] += tet_work[idx(t)];
+    for (const FaceId f : m.tet2face[t]) cut += f != kNoFace && face_tet(f) < t && part[face_tet(f)] != part[t] ? 1 : 0;
+  }
+  stats.cut_faces = comm.sum(cut);
+  comm.reduce(std::span<double>(work), Op::kSum);
+  const double total = std::accumulate(work.begin(), work.end(), 0.0);
+  if (total > 0) stats.imbalance = *std::max_element(work.begin(), work.end()) * parts / total - 1;
+  stats.components = count_components(comm, dist, part, faces, other_part);
+  return stats;
+}
+
+}  // namespace skein

@@ -1,0 +1,207 @@
+// Reconciliation: faces by rendezvous, vertices by the sharing lists.
+#include "partition/reconcile.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <string>
+
+#include "mesh/error.hpp"
+#include "partition/rendezvous.hpp"
+#include "partition/sharing.hpp"
+
+namespace skein {
+namespace {
+
+/// Keeps the first fault it is told.
+class Fault {
+ public:
+  template <class... Args>
+  void tell(fmt::format_string<Args...> form, Args&&... args) {
+    if (line_.empty()) line_ = fmt::format(form, std::forward<Args>(args)...);
+  }
+  [[nodiscard]] const std::string& line() const noexcept { return line_; }
+
+ private:
+  std::string line_;
+};
+
+/// All bits of a vertex that its copies must have in common.
+std::uint64_t fingerprint(const DistMesh& dist, VertId v) noexcept {
+  const Vec3 x = dist.mesh.coords[v];
+  std::uint64_t h = mix(dist.vert2gid[v]);
+  const auto add = [&h](double d) { h = mix(h ^ std::bit_cast<std::uint64_t>(d)); };
+  add(x.x);
+  add(x.y);
+  add(x.z);
+  for (int c = 0; c < dist.data.width; ++c) add(dist.data.at(v)[c]);
+  return h;
+}
+
+void check_arrays(const DistMesh& dist, Fault& fault) {
+  const TetMesh& m = dist.mesh;
+  const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
+  if (m.vert_ref.size() != nv || m.vert_flags.size() != nv || m.vert2tet.size() != nv || dist.vert2gid.size() != nv ||
+      dist.data.values.size() != nv * static_cast<std::size_t>(dist.data.width) || m.tet2face.size() != nt ||
+      m.face_tag.size() != nt || m.tet_ref.size() != nt)
+    fault.tell("the arrays of the mesh differ in length");
+}
+
+void check_adjacency(const DistMesh& dist, Fault& fault) {
+  const TetMesh& m = dist.mesh;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const FaceId f = m.tet2face[t][k], me = make_face(t, static_cast<int>(k));
+      if (f == kNoFace) continue;
+      if (idx(face_tet(f)) >= m.tet_slots() || m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] != me)
+        return fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(t), k);
+      if (is_hull(m.face_tag[t][k]))
+        return fault.tell("tetrahedron {}, face {}: a hull face has a neighbour", num(t), k);
+    }
+  }
+}
+
+struct OuterFace {
+  std::array<GlobalId, 3> gid;
+  std::uint64_t bits;
+  std::int32_t tag;
+  std::int32_t odd;
+};
+
+/// Faces without a local neighbour. Tells vertices without a number, and interface vertices that are not shared.
+std::vector<OuterFace> outer_faces(const DistMesh& dist, Fault& fault) {
+  const TetMesh& m = dist.mesh;
+  IdVector<VertId, char> shared(m.vert_slots(), 0);
+  for (const VertId v : dist.sharing.vert) shared[v] = 1;
+  std::vector<OuterFace> faces;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (m.tet2face[t][k] != kNoFace) continue;
+      const FaceId f = make_face(t, static_cast<int>(k));
+      const auto v = face_verts(m, f);
+      const FaceKey key = face_key(m, dist.vert2gid, f);
+      const bool hull = is_hull(m.face_tag[t][k]);
+      if (key.gid[0] == kNoGlobal && hull) continue;  // new: nobody else can have it
+      for (const VertId w : v) {
+        if (hull || (shared[w] != 0 && dist.vert2gid[w] != kNoGlobal)) continue;
+        fault.tell("vertex {} (global id) is on an interface face but in no sharing list", num(dist.vert2gid[w]));
+      }
+      const std::uint64_t bits = fingerprint(dist, v[0]) + fingerprint(dist, v[1]) + fingerprint(dist, v[2]);
+      faces.push_back({key.gid, bits, m.face_tag[t][k], key.odd ? 1 : 0});
+    }
+  }
+  return faces;
+}
+
+void judge_faces(std::vector<OuterFace> met, Fault& fault) {
+  std::sort(met.begin(), met.end(), [](const OuterFace& a, const OuterFace& b) { return a.gid < b.gid; });
+  for (std::size_t i = 0; i < met.size();) {
+    std::size_t j = i + 1;
+    while (j < met.size() && met[j].gid == met[i].gid) ++j;
+    const OuterFace &a = met[i], &b = met[j - 1];
+    const bool hull = is_hull(static_cast<FaceTag>(a.tag));
+    const auto name = fmt::format("face {} {} {} (global ids)", num(a.gid[0]), num(a.gid[1]), num(a.gid[2]));
+    if (j - i != (hull ? 1u : 2u)) {
+      fault.tell("{} {} {} copies", hull ? "hull" : "interface", name, j - i);
+    } else if (!hull && a.odd == b.odd) {
+      fault.tell("interface {} has both tetrahedra on one side", name);
+    } else if (!hull && a.bits != b.bits) {
+      fault.tell("interface {} differs between its two ranks in coordinates or data", name);
+    } else if (!hull && a.tag != b.tag) {
+      fault.tell("interface {} has tag {} on one rank and {} on the other", name, a.tag, b.tag);
+    }
+    i = j;
+  }
+}
+
+struct SharedVertex {
+  GlobalId gid;
+  std::uint64_t bits;
+  std::int64_t copies;
+  std::int64_t flags;
+  friend bool operator==(const SharedVertex&, const SharedVertex&) = default;
+};
+
+/// What each rank says of the vertices it shares with another must be what that one says.
+void check_shared(const Comm& comm, const DistMesh& dist, Fault& fault) {
+  std::vector<Rank> dest;
+  std::vector<SharedVertex> items;
+  for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
+    const VertId v = dist.sharing.vert[i];
+    const SharedVertex item{dist.vert2gid[v], fingerprint(dist, v),
+                            static_cast<std::int64_t>(dist.sharing.others(i).size()),
+                            dist.mesh.vert_flags[v] & (kCorner | kRequired)};
+    if (item.gid != dist.sharing.gid[i])
+      fault.tell("vertex {} (global id) has another id in the sharing list", num(item.gid));
+    for (const Rank r : dist.sharing.others(i)) {
+      dest.push_back(r);
+      items.push_back(item);
+    }
+  }
+  const auto sent = pack(std::span<const Rank>(dest), std::span<const SharedVertex>(items));
+  const auto got = exchange(comm, sent);
+  if (sent.rank != got.rank || sent.offset != got.offset) {
+    fault.tell("the sharing lists of two ranks differ in length");
+    return;
+  }
+  for (std::size_t i = 0; i < got.items.size(); ++i) {
+    const SharedVertex &a = sent.items[i], &b = got.items[i];
+    if (a == b) continue;
+    if (a.gid != b.gid) return fault.tell("the sharing lists of two ranks differ at vertex {} (global id)", num(a.gid));
+    return fault.tell("vertex {} (global id) differs between its ranks in {}", num(a.gid),
+                      a.bits != b.bits       ? "coordinates or data"
+                      : a.copies != b.copies ? "the number of copies"
+                                             : "its flags");
+  }
+}
+
+void check_lists(const Comm& comm, const DistMesh& dist, Fault& fault) {
+  const Sharing truth = find_sharing(comm, dist.mesh, dist.vert2gid);
+  const Sharing& s = dist.sharing;
+  if (truth.gid != s.gid || truth.vert != s.vert || truth.offset != s.offset || truth.rank != s.rank)
+    fault.tell("the sharing list ({} vertices) does not name the copies that there are ({} vertices)", s.size(),
+               truth.size());
+  GidMap seen(dist.vert2gid.size());
+  std::size_t numbered = 0;
+  for (const GlobalId g : dist.vert2gid) {
+    if (g == kNoGlobal) continue;
+    seen.insert(g);
+    if (seen.size() != ++numbered) return fault.tell("vertex {} (global id) is twice on one rank", num(g));
+  }
+}
+
+void check_counts(const Comm& comm, const DistMesh& dist, Fault& fault) {
+  DistMesh counted;
+  const auto owned = owned_verts(comm, dist);
+  counted.global_verts = comm.sum(static_cast<std::int64_t>(std::count(owned.begin(), owned.end(), 1)));
+  counted.global_tets = comm.sum(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  if (counted.global_tets != dist.global_tets || counted.global_verts != dist.global_verts)
+    fault.tell("there are {} tetrahedra and {} vertices, not {} and {} as noted", counted.global_tets,
+               counted.global_verts, dist.global_tets, dist.global_verts);
+}
+
+void agree_on(const Comm& comm, const Fault& fault) {
+  agree(comm, [&] {
+    if (!fault.line().empty()) throw Error(ExitCode::kInternal, "the parts do not fit together: " + fault.line());
+  });
+}
+
+}  // namespace
+
+void reconcile(const Comm& comm, const DistMesh& dist) {
+  Fault fault;
+  check_arrays(dist, fault);
+  agree_on(comm, fault);  // what follows relies on it
+  check_adjacency(dist, fault);
+  const auto faces = outer_faces(dist, fault);
+  std::vector<Rank> dest(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) dest[i] = meeting_rank(faces[i].gid, comm.size());
+  judge_faces(exchange_items(comm, dest, faces).items, fault);
+  check_shared(comm, dist, fault);
+  check_lists(comm, dist, fault);
+  check_counts(comm, dist, fault);
+  agree_on(comm, fault);
+}
+
+}  // namespace skein

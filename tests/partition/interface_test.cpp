@@ -1,0 +1,128 @@
+// Displacement of interfaces, the active band, global numbers.
+#include "partition/interface.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/partition/cube.hpp"
+#include "tests/support/world.hpp"
+
+namespace skein::test {
+namespace {
+
+/// Global ids of the vertices that exactly these two ranks share, and no third rank's region can contest: their
+/// tetrahedra have no interface vertex that a higher rank than these two could take.
+std::vector<GlobalId> shared_gids(const Comm& comm, const DistMesh& dist) {
+  auto all = comm.all_gather(dist.sharing.gid);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+TEST(Interface, DisplacementMakesOldInterfacesInterior) {
+  const Comm& comm = world();
+  DistMesh dist = distribute(comm, slices(comm, cube(8)));
+  const Content before = content(comm, to_slices(comm, dist));
+  for (int round = 1; round < 4; ++round) {
+    const auto old_shared = shared_gids(comm, dist);
+    migrate(comm, dist, displace_interface(comm, dist, 1, round));
+    reconcile(comm, dist);
+    EXPECT_EQ(before, content(comm, to_slices(comm, dist)));
+    const auto now = shared_gids(comm, dist);
+    std::vector<GlobalId> both;
+    std::set_intersection(old_shared.begin(), old_shared.end(), now.begin(), now.end(), std::back_inserter(both));
+    if (comm.size() <= 2) EXPECT_TRUE(both.empty()) << both.size();
+    if (!old_shared.empty()) EXPECT_LT(both.size(), old_shared.size() / 2);
+  }
+}
+
+/// Old interface vertices all of whose tetrahedra have labels of one rank only must have become interior.
+TEST(Interface, UncontestedVerticesAreNotSharedAfterwards) {
+  const Comm& comm = world();
+  DistMesh dist = distribute(comm, slices(comm, cube(8)));
+  const auto dest = displace_interface(comm, dist, 2, 5);
+  // Lowest and highest destination at each vertex, over all ranks.
+  std::vector<std::int32_t> low(dist.mesh.vert_slots(), comm.size()), high(dist.mesh.vert_slots(), -1);
+  for (const TetId t : IdRange<TetId>(dest.size())) {
+    for (const VertId v : dist.mesh.tet2vert[t]) {
+      low[idx(v)] = std::min(low[idx(v)], num(dest[t]));
+      high[idx(v)] = std::max(high[idx(v)], num(dest[t]));
+    }
+  }
+  const Halo halo(comm, dist.sharing);
+  halo.min(std::span<std::int32_t>(low));
+  halo.max(std::span<std::int32_t>(high));
+  std::vector<GlobalId> interior;
+  std::size_t contested = 0;
+  for (const VertId v : dist.sharing.vert) {
+    if (low[idx(v)] == high[idx(v)])
+      interior.push_back(dist.vert2gid[v]);
+    else
+      ++contested;
+  }
+  interior = comm.all_gather(interior);
+  if (comm.size() == 2) EXPECT_EQ(contested, 0u);
+  migrate(comm, dist, dest);
+  const auto shared = shared_gids(comm, dist);
+  for (const GlobalId g : interior) EXPECT_FALSE(std::binary_search(shared.begin(), shared.end(), g));
+}
+
+TEST(Interface, PrioritiesChangeWithTheRound) {
+  const Comm& comm = world();
+  if (comm.size() == 1) return;
+  const DistMesh dist = distribute(comm, slices(comm, cube(4)));
+  std::int32_t differ = 0;
+  const auto first = displace_interface(comm, dist, 0, 0);
+  for (int round = 1; round < 12; ++round) differ |= displace_interface(comm, dist, 0, round) == first ? 0 : 1;
+  EXPECT_EQ(comm.max(differ), 1);
+}
+
+TEST(Interface, ActiveBandHasItsWidthOnAllRanks) {
+  const Comm& comm = world();
+  const int n = 6, layers = 2;
+  DistMesh dist = distribute(comm, slices(comm, cube(n)));
+  for (auto& f : dist.mesh.vert_flags) f |= kActive;
+  mark_active_band(comm, dist, layers);
+  // In this cube an edge joins cells (i,j,k) that differ by 0 or 1 each, all with the same sign.
+  std::vector<Vec3> seeds;
+  for (const VertId v : dist.sharing.vert) seeds.push_back(dist.mesh.coords[v]);
+  seeds = comm.all_gather(seeds);
+  const auto steps = [&](Vec3 a, Vec3 b) {
+    const std::array<double, 3> d{n * (b.x - a.x), n * (b.y - a.y), n * (b.z - a.z)};
+    double up = 0, down = 0;
+    for (const double c : d) {
+      up = std::max(up, c);
+      down = std::max(down, -c);
+    }
+    return std::lround(up + down);
+  };
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    bool near = false;
+    for (const Vec3 s : seeds) near = near || steps(s, dist.mesh.coords[v]) <= layers;
+    EXPECT_EQ(dist.mesh.has(v, kActive), near);
+  }
+}
+
+TEST(Interface, NewNumbersAreDistinctAndCompactOnesAreDense) {
+  const Comm& comm = world();
+  DistMesh dist = distribute(comm, slices(comm, cube(4)));
+  const auto verts = dist.global_verts;
+  // Vertices of this rank alone forget their numbers, as if they were new.
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    if (!dist.mesh.has(v, kFrozen)) dist.vert2gid[v] = kNoGlobal;
+  }
+  EXPECT_NO_THROW(reconcile(comm, dist));
+  number_new_vertices(comm, dist);
+  reconcile(comm, dist);
+  EXPECT_EQ(dist.global_verts, verts);
+  renumber_compact(comm, dist);
+  reconcile(comm, dist);
+  auto all = comm.all_gather(dist.vert2gid.raw());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  ASSERT_EQ(std::ssize(all), verts);
+  EXPECT_EQ(all.front(), GlobalId{0});
+  EXPECT_EQ(all.back(), GlobalId{verts - 1});
+}
+
+}  // namespace
+}  // namespace skein::test

@@ -1,0 +1,112 @@
+// Partition by the Hilbert curve: balance, order, statistics.
+#include "partition/partition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "partition/hilbert.hpp"
+#include "tests/partition/cube.hpp"
+#include "tests/support/world.hpp"
+
+namespace skein::test {
+namespace {
+
+TEST(CutKeys, PartsAreInOrderAndBalanced) {
+  const Comm& comm = world();
+  std::mt19937_64 random(7 + static_cast<unsigned>(num(comm.rank())));
+  std::vector<std::uint64_t> keys(2000 + 500 * static_cast<std::size_t>(num(comm.rank())));
+  std::vector<double> work(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    keys[i] = random() >> 1;
+    if (i % 3 == 0) keys[i] >>= 40;  // crowded at the low end
+    work[i] = 1 + static_cast<double>(random() % 10);
+  }
+  const double total = comm.sum(std::accumulate(work.begin(), work.end(), 0.0));
+  for (const int parts : {1, 2, 3, 7, 64}) {
+    const auto part = cut_keys(comm, keys, work, parts);
+    std::vector<double> sum(static_cast<std::size_t>(parts), 0);
+    std::vector<std::uint64_t> low(sum.size(), ~0ULL), high(sum.size(), 0);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const std::size_t p = idx(part[i]);
+      ASSERT_LT(p, sum.size());
+      sum[p] += work[i];
+      low[p] = std::min(low[p], keys[i]);
+      high[p] = std::max(high[p], keys[i]);
+    }
+    comm.reduce(std::span<double>(sum), Op::kSum);
+    comm.reduce(std::span<std::uint64_t>(low), Op::kMin);
+    comm.reduce(std::span<std::uint64_t>(high), Op::kMax);
+    for (std::size_t p = 0; p < sum.size(); ++p) {
+      EXPECT_NEAR(sum[p], total / parts, 10.001) << "at most one item beyond";
+      if (p > 0) EXPECT_GT(low[p], high[p - 1]);
+    }
+  }
+}
+
+TEST(CutKeys, NothingAndEqualKeys) {
+  const Comm& comm = world();
+  EXPECT_TRUE(cut_keys(comm, {}, {}, 5).empty());
+  const std::vector<std::uint64_t> keys(10, 42);
+  const std::vector<double> work(10, 1.0);
+  const auto part = cut_keys(comm, keys, work, 3);
+  for (const Rank p : part) EXPECT_EQ(p, part[0]);
+}
+
+TEST(Partition, BalancesPredictedWork) {
+  const Comm& comm = world();
+  const MeshSlice file = slices(comm, cube(8));
+  const FieldSlice field = fields(file);
+  const DistMesh dist = distribute(comm, file, &field);
+  const auto work = predicted_work(dist);
+  const int parts = 5;
+  const auto part = partition(comm, dist, work, parts);
+  const auto stats = partition_stats(comm, dist, part, work, parts);
+  double largest = 0;
+  for (const double w : work) largest = std::max(largest, w);
+  const double mean = comm.sum(std::accumulate(work.begin(), work.end(), 0.0)) / parts;
+  EXPECT_LE(stats.imbalance, comm.max(largest) / mean + 1e-9);
+  EXPECT_GE(stats.components, parts);
+  EXPECT_LE(stats.components, 4 * parts);
+  EXPECT_GT(stats.cut_faces, 0);
+}
+
+TEST(Partition, PredictedWorkIsTheMetricVolume) {
+  const Comm& comm = world();
+  const MeshSlice file = slices(comm, cube(4));
+  FieldSlice field = fields(file);
+  for (std::size_t v = 0; v < file.coords.size(); ++v) {
+    for (const std::size_t c : {0u, 2u, 5u}) field.values[v * 7 + c] = std::log(1 / (0.1 * 0.1));
+  }
+  const DistMesh dist = distribute(comm, file, &field);
+  const auto work = predicted_work(dist);
+  EXPECT_NEAR(comm.sum(std::accumulate(work.begin(), work.end(), 0.0)), 384 + 10 * 1000, 1e-6);
+  const DistMesh plain = distribute(comm, file);
+  for (const double w : predicted_work(plain)) EXPECT_EQ(w, 1);
+}
+
+TEST(Partition, StatisticsDoNotDependOnWhereTheTetrahedraAre) {
+  const Comm& comm = world();
+  DistMesh dist = distribute(comm, slices(comm, cube(4)));
+  // Part by place: slabs in z with parity in x, which makes more pieces than parts.
+  const auto by_place = [&] {
+    IdVector<TetId, Rank> part(dist.mesh.tet_slots());
+    for (const TetId t : IdRange<TetId>(part.size())) {
+      Vec3 c;
+      for (const VertId v : dist.mesh.tet2vert[t]) c += 0.25 * dist.mesh.coords[v];
+      part[t] = Rank{static_cast<int>(4 * c.z) % 2};
+    }
+    return part;
+  };
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
+    const auto stats = partition_stats(comm, dist, by_place(), work, 2);
+    EXPECT_EQ(stats.components, 4);  // slabs of one cell's height
+    EXPECT_EQ(stats.cut_faces, 3 * 32);
+    EXPECT_NEAR(stats.imbalance, 0, 1e-12);
+    migrate(comm, dist, scatter(comm, dist, seed));
+  }
+}
+
+}  // namespace
+}  // namespace skein::test
