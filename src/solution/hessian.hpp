@@ -1,0 +1,28 @@
+// Second derivatives of a solution at the vertices, recovered in parallel.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "comm/halo.hpp"
+#include "metric/tensor.hpp"
+#include "partition/dist_mesh.hpp"
+
+namespace skein {
+
+/// Collective. The gradient at every local vertex: the volume-weighted mean of the gradients of its tetrahedra, that is
+/// the weighted-residual recovery with lumped mass [handbook 35.3.3]. Exact for linear functions. scalar: one value per
+/// local vertex, equal on all copies. Result: per local vertex, the same bits on all copies; unit of the scalar /
+/// length.
+std::vector<Vec3> recover_gradient(const Comm& comm, const DistMesh& dist, const Halo& halo,
+                                   std::span<const double> scalar);
+
+/// Collective. The Hessian at every local vertex: the recovery done twice, made symmetric [handbook 35.3.3]. At
+/// vertices of the hull the patch of tetrahedra is one-sided and the twice recovered value is off by its own size; they
+/// take the weighted mean of their inner neighbours instead (or, if they have none, of hull vertices that had one).
+/// Exact for linear functions, and for quadratic ones at vertices whose second ring of tetrahedra is symmetric about
+/// them. Throws Error(kInput) on all ranks when a value is not finite (vertex number 1-based, global).
+/// @pre scalar.size() == dist.mesh.vert_slots(); `halo` is that of dist.sharing.
+std::vector<SymTensor> recover_hessian(const Comm& comm, const DistMesh& dist, const Halo& halo,
+                                       std::span<const double> scalar);
+
+}  // namespace skein

@@ -1,0 +1,31 @@
+// The metric that equidistributes the interpolation error of a solution, at a given complexity.
+#pragma once
+#include <limits>
+#include <span>
+
+#include "comm/comm.hpp"
+#include "metric/tensor.hpp"
+#include "partition/dist_mesh.hpp"
+
+namespace skein {
+
+/// Collective. The integral of sqrt(det M) over all ranks' tetrahedra: sum of |K|/4 (sum over its vertices of sqrt(det
+/// M)). A unit mesh has about 10 C tetrahedra. metric: one per local vertex.
+double complexity(const Comm& comm, const DistMesh& dist, std::span<const SymTensor> metric);
+
+/// Collective. M <- M (target/C)^(2/3). Throws Error(kInput) on all ranks when the metric or the target has no
+/// positive complexity.
+void scale_to_complexity(const Comm& comm, const DistMesh& dist, double target, std::span<SymTensor> metric);
+
+/// Collective. The metric of least interpolation error in the L^p norm (p >= 1, also infinity) at this complexity:
+/// M = s det(|H|)^(-1/(2p+3)) |H|, its sizes clamped to [h_min, h_max] and its aspect ratio (longest over shortest
+/// size) to max_aspect; s is found so that the complexity is met with the clamps (Loseille, Alauzet 2011; with p =
+/// infinity this is the sizing sqrt(C/|e|) of handbook eq. 35.16 and 35.17). Returns the complexity reached: when the
+/// sizes allow no more or no less than another one, the nearest. hessian, metric: one per local vertex; equal on all
+/// copies, and so is the result. Where the Hessian vanishes, sizes are the largest that these bounds allow, relative to
+/// where it is largest. Throws Error(kInput) on all ranks for options out of range or a Hessian that is not finite.
+/// @pre 0 <= h_min <= h_max, h_max may be infinity; complexity > 0.
+double hessian_metric(const Comm& comm, const DistMesh& dist, double complexity, double p, double h_min, double h_max,
+                      std::span<const SymTensor> hessian, std::span<SymTensor> metric, double max_aspect = 1e4);
+
+}  // namespace skein
