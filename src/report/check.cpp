@@ -177,7 +177,7 @@ void judge_face(const Face* first, const Face* tets, const Face* last, Findings&
   if (count >= 2) r.internal_triangles += triangles;
   if (count > 2) found.add(finding(Fault::kFaceOver2, key, tets[0].entity2 / 2, tets[1].entity2 / 2));
   if (count == 2 && ((tets[0].entity2 ^ tets[1].entity2) & 1) == 0) {
-    const auto [a, b] = std::minmax(tets[0].entity2 / 2, tets[1].entity2 / 2);
+    const auto [a, b] = std::minmax({tets[0].entity2 / 2, tets[1].entity2 / 2});
     found.add(finding(Fault::kMisorientedPair, key, a, b));
   }
 }

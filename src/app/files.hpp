@@ -1,0 +1,22 @@
+// Paths of inputs and outputs: what can be said about them before the work begins.
+#pragma once
+#include <initializer_list>
+#include <string>
+
+#include "comm/comm.hpp"
+
+namespace skein::app {
+
+inline constexpr std::initializer_list<const char*> kMeshInputs{".mesh", ".meshb"};
+inline constexpr std::initializer_list<const char*> kMeshOutputs{".mesh", ".meshb", ".vtu", ".pvtu"};
+inline constexpr std::initializer_list<const char*> kFields{".sol", ".solb"};
+
+bool has_ending(const std::string& path, std::initializer_list<const char*> endings) noexcept;
+
+/// Collective. Throws Error(kInput) unless the file is there and the ending is one of these.
+void require_input(const Comm& comm, const std::string& path, std::initializer_list<const char*> endings);
+/// Collective. Throws Error(kOutput) unless a file with this name can be made (an old one stays as it is, and
+/// nothing is left behind) and the ending is one of these; an empty list takes any ending. An empty path is no output.
+void require_output(const Comm& comm, const std::string& path, std::initializer_list<const char*> endings);
+
+}  // namespace skein::app

@@ -1,0 +1,72 @@
+// skein generate: a closed surface triangulation gives a volume mesh.
+#include "generate/generate.hpp"
+
+#include <memory>
+
+#include "app/files.hpp"
+#include "app/run_report.hpp"
+#include "app/verbs.hpp"
+#include "generate/sources_file.hpp"
+#include "io/mesh_io.hpp"
+
+namespace skein::app {
+namespace {
+
+struct Options {
+  std::string input, sources;
+  RunOptions run;
+  GenerateOptions generate;
+};
+
+Json to_json(const Options& o) {
+  Json j{{"verb", "generate"}};
+  if (!o.sources.empty()) j["sources"] = o.sources;
+  if (o.generate.size_max < 1e300) j["size_max"] = o.generate.size_max;
+  j["growth"] = o.generate.growth, j["ridge_angle"] = o.generate.ridge_angle;
+  j["keep_surface"] = o.generate.keep_surface;
+  j["rounds"] = o.generate.adapt.rounds, j["threads"] = o.generate.adapt.threads;
+  return j;
+}
+
+ExitCode run_generate(const Comm& comm, Options& o) {
+  require_input(comm, o.input, kMeshInputs);
+  require_outputs(comm, o.run);
+  o.generate.adapt.threads = o.run.threads;
+  RunRecord record(comm, o.run);
+  record.input = o.input;
+  record.options = to_json(o);
+  note_threads(comm, o.run.threads, record.log);
+
+  record.log.start("read");
+  const MeshSlice surface = read_mesh(comm, o.input);
+  if (!o.sources.empty()) o.generate.sources = read_sources(comm, o.sources);
+  record.elements_in = surface.triangles.total, record.vertices_in = surface.total_verts;
+  record.log.finish(0);
+  record.lap("read");
+
+  DistMesh dist = generate(comm, surface, o.generate, record.log);
+  record.lap("generate");
+  record.finish(comm, dist);
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void add_generate(CLI::App& cli, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = cli.add_subcommand("generate", "Fill a closed surface with tetrahedra");
+  verb->add_option("SURFACE", o->input, "surface (.mesh, .meshb)")->required();
+  add_run_options(*verb, o->run);
+  verb->add_option("--sources", o->sources, "spacing sources (TOML)");
+  verb->add_option("--size-max", o->generate.size_max, "largest edge length")->check(CLI::PositiveNumber);
+  verb->add_option("--growth", o->generate.growth, "how fast the boundary spacing may grow inwards, per distance")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--ridge-angle", o->generate.ridge_angle, "surface edges folded more than this are kept, degrees")
+      ->check(CLI::Range(0.0, 180.0));
+  verb->add_flag("--keep-surface", o->generate.keep_surface, "keep the surface triangles as they are");
+  verb->add_option("--rounds", o->generate.adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
+  verb->footer("Example: mpirun -n 2 skein generate wing-body.mesh --sources wing.toml -o wing-body.meshb");
+  verb->callback([o, &run] { run = [o](const Comm& comm) { return run_generate(comm, *o); }; });
+}
+
+}  // namespace skein::app

@@ -1,0 +1,135 @@
+// The metric that the user gives.
+#include "app/metric_input.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/mesh_io.hpp"
+#include "metric/tensor.hpp"
+#include "report/statistics.hpp"
+
+namespace skein::app {
+namespace {
+
+/// Throws unless the file has one field of the wanted kind, with a value for every vertex.
+void require_fit(const FieldSlice& f, const MeshSlice& mesh, const MetricOptions& o) {
+  const FieldKind want = o.metric.empty() ? FieldKind::kScalar : FieldKind::kTensor;
+  if (f.kinds.size() != 1) {
+    throw Error(ExitCode::kInput,
+                fmt::format("{}: {} fields at the vertices, but one is wanted", f.path, f.kinds.size()));
+  }
+  if (f.kinds[0] != want) {
+    const char* advice = want == FieldKind::kScalar ? "use --metric for symmetric tensors"
+                                                    : "use --size for sizes, or --field for a solution";
+    throw Error(ExitCode::kInput,
+                fmt::format("{}: {} number(s) per vertex, but {} wanted; {}", f.path, components(f.kinds[0]),
+                            want == FieldKind::kScalar ? "one is" : "a symmetric tensor (6) is", advice));
+  }
+  if (f.total != mesh.total_verts) {
+    throw Error(ExitCode::kInput, fmt::format("{}: {} values for the {} vertices of {}; give the one of this mesh",
+                                              f.path, f.total, mesh.total_verts, mesh.path));
+  }
+}
+
+SymTensor logarithm(const SymTensor& m, const std::string& path, std::int64_t vertex) {
+  if (!is_finite(m)) {
+    throw Error(ExitCode::kInput, fmt::format("{}: the metric at vertex {} is not finite", path, vertex));
+  }
+  if (!is_positive_definite(m)) {
+    const Eigen e = eigen(m);
+    throw Error(ExitCode::kInput,
+                fmt::format("{}: the metric at vertex {} is not positive definite: eigenvalues {:.6g}, {:.6g}, {:.6g}",
+                            path, vertex, e.value[0], e.value[1], e.value[2]));
+  }
+  return log(m);
+}
+
+void put(const SymTensor& l, double* out) noexcept {
+  out[0] = l.xx, out[1] = l.xy, out[2] = l.yy, out[3] = l.xz, out[4] = l.yz, out[5] = l.zz;
+}
+
+FieldSlice log_of_tensors(FieldSlice f) {
+  for (std::size_t i = 0; i < f.values.size() / 6; ++i) {
+    double* v = f.values.data() + 6 * i;
+    put(logarithm({v[0], v[1], v[2], v[3], v[4], v[5]}, f.path, f.first + static_cast<std::int64_t>(i) + 1), v);
+  }
+  return f;
+}
+
+FieldSlice log_of_sizes(const FieldSlice& sizes) {
+  FieldSlice f;
+  f.path = sizes.path, f.total = sizes.total, f.first = sizes.first;
+  f.kinds = {FieldKind::kTensor}, f.width = 6;
+  f.values.resize(6 * sizes.values.size());
+  for (std::size_t i = 0; i < sizes.values.size(); ++i) {
+    const double h = sizes.values[i];
+    if (!(h > 0) || !std::isfinite(h)) {
+      throw Error(ExitCode::kInput, fmt::format("{}: the size at vertex {} is {:.6g}; sizes must be greater than zero",
+                                                f.path, f.first + static_cast<std::int64_t>(i) + 1, h));
+    }
+    put(isotropic(-2 * std::log(h)), f.values.data() + 6 * i);
+  }
+  return f;
+}
+
+FieldSlice finite(FieldSlice f) {
+  for (std::size_t i = 0; i < f.values.size(); ++i) {
+    if (std::isfinite(f.values[i])) continue;
+    throw Error(ExitCode::kInput, fmt::format("{}: the value at vertex {} is not finite", f.path,
+                                              f.first + static_cast<std::int64_t>(i) + 1));
+  }
+  return f;
+}
+
+}  // namespace
+
+void add_metric_options(CLI::App& verb, MetricOptions& o) {
+  auto* metric = verb.add_option("--metric", o.metric, "metric: a symmetric tensor per vertex (.sol, .solb)");
+  auto* size = verb.add_option("--size", o.size, "wanted edge length per vertex (.sol, .solb)");
+  metric->excludes(size);
+  verb.add_option("--complexity", o.complexity, "scale the metric to this complexity; about 10 tetrahedra per unit")
+      ->check(CLI::PositiveNumber);
+}
+
+FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOptions& o) {
+  FieldSlice f = read_fields(comm, o.path());
+  agree(comm, [&] {
+    require_fit(f, mesh, o);
+    if (!o.metric.empty()) {
+      f = log_of_tensors(std::move(f));
+    } else if (!o.size.empty()) {
+      f = log_of_sizes(f);
+    } else {
+      f = finite(std::move(f));
+    }
+  });
+  return f;
+}
+
+void make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
+  const bool clamps = o.h_min > 0 || o.h_max < 1e300;
+  double shift = 0;  // of the diagonal of the logarithm
+  if (o.complexity > 0) {
+    const double now = complexity(comm, dist);
+    agree(comm, [&] {
+      if (!(now > 0) || !std::isfinite(now)) {
+        throw Error(ExitCode::kInput, fmt::format("{}: its complexity is {}; it cannot be scaled", o.path(), now));
+      }
+    });
+    shift = 2.0 / 3 * std::log(o.complexity / now);
+  }
+  if (shift == 0 && !clamps) return;
+  const double low = -2 * std::log(o.h_max), high = o.h_min > 0 ? -2 * std::log(o.h_min) : 1e300;
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    double* d = dist.data.at(v);
+    d[0] += shift, d[2] += shift, d[5] += shift;
+    if (!clamps) continue;
+    Eigen e = eigen({d[0], d[1], d[2], d[3], d[4], d[5]});
+    for (double& value : e.value) value = std::clamp(value, low, high);
+    put(compose(e), d);
+  }
+}
+
+}  // namespace skein::app

@@ -1,0 +1,35 @@
+// The metric that the user gives: tensors, sizes, or a field whose Hessian makes it.
+#pragma once
+#include <CLI/App.hpp>
+#include <string>
+
+#include "comm/comm.hpp"
+#include "io/mesh_slice.hpp"
+#include "partition/dist_mesh.hpp"
+
+namespace skein::app {
+
+struct MetricOptions {
+  std::string metric;     ///< solution with a symmetric tensor per vertex
+  std::string size;       ///< solution with an edge length per vertex
+  std::string field;      ///< solution with a scalar per vertex
+  double complexity = 0;  ///< 0: as given
+  double h_min = 0, h_max = 1e300;
+  [[nodiscard]] bool given() const noexcept { return !metric.empty() || !size.empty() || !field.empty(); }
+  [[nodiscard]] const std::string& path() const noexcept {
+    return !metric.empty() ? metric : !size.empty() ? size : field;
+  }
+};
+
+/// --metric and --size, --complexity.
+void add_metric_options(CLI::App& verb, MetricOptions& o);
+
+/// Collective. Reads the file given: the logarithm of the metric (6 numbers per vertex) for --metric and --size, the
+/// scalar itself for --field. Throws Error(kInput) with vertex number and eigenvalues when a metric is not positive
+/// definite, and with both counts when it does not fit the mesh. @pre o.given()
+FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOptions& o);
+
+/// Collective. Scales the metric in dist.data to o.complexity (if given), then clamps its sizes.
+void make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o);
+
+}  // namespace skein::app

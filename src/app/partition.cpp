@@ -1,0 +1,66 @@
+// skein partition: cut a mesh into parts, tell how good the cut is.
+#include "partition/partition.hpp"
+
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "app/files.hpp"
+#include "app/verbs.hpp"
+#include "io/mesh_io.hpp"
+#include "partition/distribute.hpp"
+#include "partition/gather_slices.hpp"
+#include "report/json.hpp"
+#include "report/text.hpp"
+
+namespace skein::app {
+namespace {
+
+struct Options {
+  std::string input, output;
+  int parts = 0;
+  bool json = false;
+};
+
+ExitCode run_partition(const Comm& comm, const Options& o) {
+  require_input(comm, o.input, kMeshInputs);
+  require_output(comm, o.output, kMeshOutputs);
+  const MeshSlice mesh = read_mesh(comm, o.input);
+  DistMesh dist = distribute(comm, mesh);
+
+  const double begin = wall_time();
+  const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
+  const IdVector<TetId, Rank> part = partition(comm, dist, work, o.parts);
+  const double seconds = comm.max(wall_time() - begin);
+  const PartitionStats s = partition_stats(comm, dist, part, work, o.parts);
+
+  if (!o.output.empty()) {
+    for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) dist.mesh.tet_ref[t] = num(part[t]);
+    write_mesh(comm, o.output, to_slices(comm, dist));
+  }
+  if (!comm.is_root()) return ExitCode::kOk;
+  if (o.json) {
+    const Json j{{"parts", o.parts},         {"tets", dist.global_tets},   {"cut_faces", s.cut_faces},
+                 {"imbalance", s.imbalance}, {"components", s.components}, {"seconds", seconds}};
+    fmt::print("{}\n", j.dump());
+  } else {
+    fmt::print("{} tetrahedra in {} parts: {} faces cut, imbalance {:.2f} %, {} connected pieces, {:.2f} s\n",
+               grouped(dist.global_tets), o.parts, grouped(s.cut_faces), 100 * s.imbalance, s.components, seconds);
+  }
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void add_partition(CLI::App& cli, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = cli.add_subcommand("partition", "Cut a mesh into parts of equal size with short interfaces");
+  verb->add_option("IN", o->input, "mesh (.mesh, .meshb)")->required();
+  verb->add_option("--parts", o->parts, "number of parts")->required()->check(CLI::Range(1, 1 << 20));
+  verb->add_option("-o,--output", o->output, "the mesh with the part, from 0, as reference of the tetrahedra");
+  verb->add_flag("--json", o->json, "print JSON");
+  verb->footer("Example: skein partition wing.meshb --parts 16 -o parts.vtu");
+  verb->callback([o, &run] { run = [o](const Comm& comm) { return run_partition(comm, *o); }; });
+}
+
+}  // namespace skein::app

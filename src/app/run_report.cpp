@@ -1,0 +1,130 @@
+// What a run that makes a mesh has in common.
+#include "app/run_report.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "app/files.hpp"
+#include "io/mesh_io.hpp"
+#include "metric/tensor.hpp"
+#include "partition/gather_slices.hpp"
+#include "partition/reconcile.hpp"
+#include "report/statistics.hpp"
+#include "report/statistics_json.hpp"
+#include "report/text.hpp"
+
+namespace skein::app {
+namespace {
+
+const char* kLaunchers[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "SLURM_PROCID"};
+
+/// Ranks on this machine, as the launcher tells; otherwise all.
+int local_ranks(const Comm& comm) {
+  for (const char* name : {"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"}) {
+    const char* value = std::getenv(name);
+    if (value != nullptr && std::atoi(value) > 0) return std::atoi(value);
+  }
+  return comm.size();
+}
+
+/// The metric itself, from its logarithm.
+FieldSlice metric_slices(const Comm& comm, const DistMesh& dist) {
+  FieldSlice f = to_field_slices(comm, dist, 0, {FieldKind::kTensor});
+  for (std::size_t i = 0; i + 6 <= f.values.size(); i += 6) {
+    double* v = f.values.data() + i;
+    const SymTensor m = exp(SymTensor{v[0], v[1], v[2], v[3], v[4], v[5]});
+    v[0] = m.xx, v[1] = m.xy, v[2] = m.yy, v[3] = m.xz, v[4] = m.yz, v[5] = m.zz;
+  }
+  return f;
+}
+
+}  // namespace
+
+void add_run_options(CLI::App& verb, RunOptions& o) {
+  verb.add_option("-o,--output", o.output, "mesh to write (.mesh, .meshb, .vtu, .pvtu)")->required();
+  verb.add_option("--report", o.report, "write a report of the run (JSON)");
+  verb.add_option("--metric-out", o.metric_out, "write the metric at the vertices of the new mesh (.sol, .solb)");
+  verb.add_option("--threads", o.threads, "threads in each process")->check(CLI::Range(1, 1024));
+  verb.add_flag("--quiet", o.quiet, "no progress");
+}
+
+void require_outputs(const Comm& comm, const RunOptions& o) {
+  require_output(comm, o.output, kMeshOutputs);
+  require_output(comm, o.metric_out, kFields);
+  require_output(comm, o.report, {});
+}
+
+PhaseLog::Output progress_output(bool quiet) {
+  if (quiet) return PhaseLog::Output::kQuiet;
+  for (const char* name : kLaunchers) {
+    if (std::getenv(name) != nullptr) return PhaseLog::Output::kPlain;
+  }
+  return isatty(STDOUT_FILENO) != 0 ? PhaseLog::Output::kTerminal : PhaseLog::Output::kPlain;
+}
+
+void note_threads(const Comm& comm, int threads, PhaseLog& log) {
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  const int wanted = local_ranks(comm) * threads;
+  if (cores > 0 && wanted > cores) {
+    log.note(fmt::format("note: {} processes of {} threads share {} cores of this machine", local_ranks(comm), threads,
+                         cores));
+  }
+}
+
+RunRecord::RunRecord(const Comm& comm, const RunOptions& options)
+    : log(comm, progress_output(options.quiet)), run_(options), begin_(wall_time()), lap_(begin_) {}
+
+void RunRecord::lap(const std::string& name) {
+  const double now = wall_time();
+  laps_.emplace_back(name, now - lap_);
+  lap_ = now;
+}
+
+void RunRecord::finish(const Comm& comm, DistMesh& dist) {
+  log.start("statistics");
+  reconcile(comm, dist);
+  const MeshStatistics s = statistics(comm, dist, true, run_.threads);
+  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  lap("statistics");
+
+  log.start("write");
+  write_mesh(comm, run_.output, to_slices(comm, dist));
+  if (!run_.metric_out.empty()) write_fields(comm, run_.metric_out, metric_slices(comm, dist));
+  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  lap("write");
+
+  log.note(fmt::format(
+      "{}: {} tetrahedra, {} vertices; unit edges {:.2f} %, quality min {:.3f}, 1 % {:.3f}, mean {:.3f}", run_.output,
+      grouped(s.tets), grouped(s.vertices), s.length.unit_share, s.quality.min, s.quality.p1, s.quality.mean));
+  const Json report = to_json(comm, dist, skein::to_json(s));
+  if (!run_.report.empty()) write_json(comm, run_.report, report);
+}
+
+Json RunRecord::to_json(const Comm& comm, const DistMesh& dist, const Json& statistics) const {
+  Json seconds{{"total", comm.max(wall_time() - begin_)}};
+  for (const auto& [name, s] : laps_) seconds[name] = comm.max(s);
+  Json phases = Json::array();
+  for (const PhaseCost& p : log.phases()) phases.push_back(skein::to_json(p));
+  Json report{{"version", SKEIN_VERSION},
+              {"input", input},
+              {"output", run_.output},
+              {"options", options},
+              {"ranks", comm.size()},
+              {"threads", run_.threads},
+              {"elements_in", elements_in},
+              {"elements_out", dist.global_tets},
+              {"vertices_in", vertices_in},
+              {"vertices_out", dist.global_verts},
+              {"seconds", seconds},
+              {"peak_bytes", comm.all_gather(peak_memory())},
+              {"phases", phases}};
+  for (const char* key : {"complexity", "tets_per_complexity", "edges", "length", "quality", "dihedral", "volume"}) {
+    report[key] = statistics.at(key);
+  }
+  return report;
+}
+
+}  // namespace skein::app

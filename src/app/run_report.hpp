@@ -1,0 +1,54 @@
+// What a run that makes a mesh has in common: progress, the end of the flow, the report (docs/report.md).
+#pragma once
+#include <CLI/App.hpp>
+#include <string>
+
+#include "comm/comm.hpp"
+#include "partition/dist_mesh.hpp"
+#include "report/json.hpp"
+#include "report/phase_log.hpp"
+
+namespace skein::app {
+
+/// Options of the verbs that make a mesh.
+struct RunOptions {
+  std::string output, report, metric_out;
+  int threads = 1;
+  bool quiet = false;
+};
+void add_run_options(CLI::App& verb, RunOptions& o);
+
+/// Collective. Throws Error(kOutput) unless all outputs can be made.
+void require_outputs(const Comm& comm, const RunOptions& o);
+
+/// How progress is to be shown on standard output: lines that overwrite themselves on a terminal (but not under mpirun,
+/// which collects the output of the ranks), plain lines elsewhere.
+PhaseLog::Output progress_output(bool quiet);
+
+/// Rank 0 says when there are more threads than cores. Collective.
+void note_threads(const Comm& comm, int threads, PhaseLog& log);
+
+/// The run as a whole: wall times and sizes, from which the report is made.
+class RunRecord {
+ public:
+  RunRecord(const Comm& comm, const RunOptions& options);
+
+  PhaseLog log;
+  std::string input;
+  Json options = Json::object();  ///< as given on the command line
+  std::int64_t elements_in = 0, vertices_in = 0;
+
+  /// Seconds since the last lap (or the beginning) belong to `name`. Not collective.
+  void lap(const std::string& name);
+  /// Collective. The rest of the flow: reconcile, statistics, writing of mesh, metric and report. The log-metric is the
+  /// first 6 numbers of dist.data.
+  void finish(const Comm& comm, DistMesh& dist);
+
+ private:
+  [[nodiscard]] Json to_json(const Comm& comm, const DistMesh& dist, const Json& statistics) const;
+  RunOptions run_;
+  double begin_, lap_;
+  std::vector<std::pair<std::string, double>> laps_;
+};
+
+}  // namespace skein::app

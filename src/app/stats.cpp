@@ -1,0 +1,48 @@
+// skein stats: sizes, edge lengths and quality in a metric, dihedral angles.
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "app/files.hpp"
+#include "app/metric_input.hpp"
+#include "app/verbs.hpp"
+#include "io/mesh_io.hpp"
+#include "partition/distribute.hpp"
+#include "report/statistics.hpp"
+#include "report/statistics_json.hpp"
+
+namespace skein::app {
+namespace {
+
+struct Options {
+  std::string input;
+  MetricOptions metric;
+  bool json = false;
+};
+
+ExitCode stats(const Comm& comm, const Options& o) {
+  require_input(comm, o.input, kMeshInputs);
+  if (o.metric.given()) require_input(comm, o.metric.path(), kFields);
+  const MeshSlice mesh = read_mesh(comm, o.input);
+  FieldSlice metric;
+  if (o.metric.given()) metric = read_metric(comm, mesh, o.metric);
+  DistMesh dist = distribute(comm, mesh, o.metric.given() ? &metric : nullptr);
+  if (o.metric.given()) make_metric(comm, dist, o.metric);
+  const MeshStatistics s = statistics(comm, dist, o.metric.given());
+  if (comm.is_root()) fmt::print("{}", o.json ? to_json(s).dump() + "\n" : to_text(s));
+  return ExitCode::kOk;
+}
+
+}  // namespace
+
+void add_stats(CLI::App& cli, Run& run) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = cli.add_subcommand("stats", "Sizes, edge lengths and quality in a metric, dihedral angles");
+  verb->add_option("IN", o->input, "mesh (.mesh, .meshb)")->required();
+  add_metric_options(*verb, o->metric);
+  verb->add_flag("--json", o->json, "print JSON");
+  verb->footer("Example: skein stats wing.meshb --metric wing.solb --complexity 50000");
+  verb->callback([o, &run] { run = [o](const Comm& comm) { return stats(comm, *o); }; });
+}
+
+}  // namespace skein::app
