@@ -110,6 +110,7 @@ TetId Cavity::take_slot(std::size_t i) {
   p.mesh.face_tag.push_back({});
   p.mesh.tet_ref.push_back(0);
   p.q3.push_back(0);
+  p.dirty.push_back(0);
   return p.tet_mark.push_back(0);
 }
 
@@ -156,6 +157,7 @@ void Cavity::commit() {
     m.tet2vert[t] = fresh_[i].v;
     m.tet_ref[t] = fresh_[i].ref;
     p.q3[t] = fresh_[i].q3;
+    p.dirty[t] = kAllPasses;
     for (const VertId v : fresh_[i].v) m.vert2tet[v] = t;
   }
   for (const TetId t : slots_) link(t);
@@ -163,7 +165,6 @@ void Cavity::commit() {
     m.tet2vert[old_[i]] = {kNoVert, kNoVert, kNoVert, kNoVert};
     p.free_tets.push_back(old_[i]);
   }
-  p.changed.insert(p.changed.end(), slots_.begin(), slots_.end());
 }
 
 }  // namespace skein

@@ -36,7 +36,7 @@ class Cavity {
   [[nodiscard]] std::size_t new_size() const noexcept { return fresh_.size(); }
 
   /// Replaces the old tetrahedra by the new ones: links them with each other, with the outside and with the walls. New
-  /// ones are appended to Part::changed. @pre the new tetrahedra fill the old ones' space.
+  /// ones are dirty for all passes. @pre the new tetrahedra fill the old ones' space.
   void commit();
 
  private:

@@ -11,7 +11,7 @@ constexpr std::size_t kMaxCavity = 96;
 double in_sphere(const SymTensor& m, Vec3 a, Vec3 b, Vec3 c, Vec3 d) noexcept {
   const Vec3 cd = cross(c, d), ab = cross(a, b);
   const double bcd = dot(b, cd), acd = dot(a, cd), abd = dot(ab, d), abc = dot(ab, c);
-  return -(quad(m, a) * bcd - quad(m, b) * acd + quad(m, c) * abd - quad(m, d) * abc);
+  return quad(m, a) * bcd - quad(m, b) * acd + quad(m, c) * abd - quad(m, d) * abc;
 }
 
 }  // namespace

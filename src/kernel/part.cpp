@@ -18,7 +18,7 @@ void prepare(Part& p) {
   p.tet_stamp = p.vert_stamp = 0;
   p.free_tets.clear();
   p.free_verts.clear();
-  p.changed.clear();
+  p.dirty.assign(nt, kAllPasses);
   for (const TetId t : IdRange<TetId>(nt)) {
     if (p.mesh.is_live(t)) {
       p.q3[t] = static_cast<float>(quality_cubed(p, t));

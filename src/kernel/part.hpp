@@ -23,6 +23,10 @@ struct KernelOptions {
   double surface_deviation = 0.01;    ///< relative to the edge: how far it may leave the old facets
 };
 
+/// The kinds of passes, as bits of Part::dirty. A pass looks only at what has changed since it looked last, so that a
+/// converged mesh costs nothing but a scan of one byte per tetrahedron.
+enum Pass : std::uint8_t { kCollapsePass = 1, kInsertPass = 2, kSwapPass = 4, kSmoothPass = 8, kAllPasses = 15 };
+
 /// What a part has done.
 struct OperationCounts {
   std::int64_t insert = 0, collapse = 0, swap = 0, smooth = 0;
@@ -51,7 +55,7 @@ struct Part {
   std::uint32_t tet_stamp = 0, vert_stamp = 0;
   std::vector<TetId> free_tets;
   std::vector<VertId> free_verts;
-  std::vector<TetId> changed;  ///< tetrahedra that commits have made, for the queues (may hold dead ones)
+  IdVector<TetId, std::uint8_t> dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it
 
   [[nodiscard]] Vec3 x(VertId v) const noexcept { return mesh.coords[v]; }
   [[nodiscard]] double length(VertId a, VertId b) const noexcept {

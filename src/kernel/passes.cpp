@@ -15,7 +15,7 @@ namespace {
 
 constexpr double cube(double q) noexcept { return q * q * q; }
 
-/// One worker's operators and queues.
+/// One worker's operators and its sweeps over what is dirty.
 class Passes {
  public:
   explicit Passes(Part& part)
@@ -30,10 +30,13 @@ class Passes {
   std::int64_t create_points();
   std::int64_t swap_below(double quality);
   std::int64_t smooth_below(double quality);
-  void fill_queue();
 
  private:
-  bool collapse_in(TetId t, double below2, double max_length, double floor_q3);
+  /// Calls visit(t) for every live, active tetrahedron that is dirty for this pass, after taking the bit away, in up to
+  /// `sweeps` sweeps, as long as there are any.
+  template <class Visit>
+  void sweep(Pass pass, int sweeps, Visit&& visit);
+  bool collapse_in(TetId t, double below, double max_length, double floor_q3);
   bool split_in(TetId t);
   bool centroid_in(TetId t);
   bool swap_in(TetId t);
@@ -44,8 +47,24 @@ class Passes {
   Collapser collapse_;
   Swapper swap_;
   Smoother smooth_;
-  std::vector<TetId> queue_, next_;
 };
+
+template <class Visit>
+void Passes::sweep(Pass pass, int sweeps, Visit&& visit) {
+  for (int s = 0; s < sweeps; ++s) {
+    bool any = false;
+    // The mesh may grow while this runs; what is added at the end belongs to this sweep.
+    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
+      const auto t = to_id<TetId>(i);
+      if ((part_.dirty[t] & pass) == 0) continue;
+      part_.dirty[t] = static_cast<std::uint8_t>(part_.dirty[t] & ~pass);
+      if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
+      any = true;
+      visit(t);
+    }
+    if (!any) return;
+  }
+}
 
 /// Edges of a tetrahedron with their metric lengths.
 struct EdgeLengths {
@@ -56,14 +75,6 @@ struct EdgeLengths {
     }
   }
 };
-
-void Passes::fill_queue() {
-  queue_.clear();
-  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
-    if (part_.mesh.is_live(t) && part_.active(t)) queue_.push_back(t);
-  }
-  part_.changed.clear();
-}
 
 bool Passes::collapse_in(TetId t, double below, double max_length, double floor_q3) {
   const auto v = part_.mesh.tet2vert[t];
@@ -77,16 +88,7 @@ bool Passes::collapse_in(TetId t, double below, double max_length, double floor_
 
 std::int64_t Passes::collapse_short(double below, double max_length, double floor_q3) {
   const std::int64_t before = part_.counts.collapse;
-  fill_queue();
-  while (!queue_.empty()) {
-    part_.changed.clear();
-    std::int64_t done = 0;
-    for (const TetId t : queue_) {
-      if (part_.mesh.is_live(t) && collapse_in(t, below, max_length, floor_q3)) ++done;
-    }
-    queue_.swap(part_.changed);
-    if (done == 0) break;
-  }
+  sweep(kCollapsePass, 10, [&](TetId t) { collapse_in(t, below, max_length, floor_q3); });
   return part_.counts.collapse - before;
 }
 
@@ -124,19 +126,7 @@ bool Passes::centroid_in(TetId t) {
 
 std::int64_t Passes::create_points() {
   const std::int64_t before = part_.counts.insert;
-  fill_queue();
-  while (!queue_.empty()) {
-    part_.changed.clear();
-    for (const TetId t : queue_) {
-      if (!part_.mesh.is_live(t)) continue;
-      if (part_.options.centroid_points) {
-        centroid_in(t);
-      } else {
-        split_in(t);
-      }
-    }
-    queue_.swap(part_.changed);
-  }
+  sweep(kInsertPass, 100, [&](TetId t) { part_.options.centroid_points ? centroid_in(t) : split_in(t); });
   return part_.counts.insert - before;
 }
 
@@ -154,30 +144,25 @@ bool Passes::swap_in(TetId t) {
 std::int64_t Passes::swap_below(double quality) {
   const std::int64_t before = part_.counts.swap;
   const auto limit = static_cast<float>(cube(quality));
-  fill_queue();
-  for (int sweep = 0; sweep < 10 && !queue_.empty(); ++sweep) {
-    part_.changed.clear();
-    for (const TetId t : queue_) {
-      if (part_.mesh.is_live(t) && part_.q3[t] < limit) swap_in(t);
-    }
-    queue_.swap(part_.changed);
-  }
+  sweep(kSwapPass, 4, [&](TetId t) {
+    if (part_.q3[t] < limit) swap_in(t);
+  });
   return part_.counts.swap - before;
 }
 
 std::int64_t Passes::smooth_below(double quality) {
   const std::int64_t before = part_.counts.smooth;
   const auto limit = static_cast<float>(cube(quality));
-  TetMesh& m = part_.mesh;
   const std::uint32_t stamp = ++part_.vert_stamp;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (!m.is_live(t) || part_.q3[t] >= limit) continue;
-    for (const VertId v : m.tet2vert[t]) {
-      if (part_.vert_mark[v] == stamp || !m.has(v, kActive)) continue;
+  sweep(kSmoothPass, 1, [&](TetId t) {
+    if (part_.q3[t] >= limit) return;
+    const auto tv = part_.mesh.tet2vert[t];
+    for (const VertId v : tv) {
+      if (part_.vert_mark[v] == stamp || !part_.mesh.has(v, kActive)) continue;
       part_.vert_mark[v] = stamp;
       smooth_.move(v);
     }
-  }
+  });
   return part_.counts.smooth - before;
 }
 

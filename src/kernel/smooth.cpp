@@ -171,7 +171,10 @@ bool Smoother::attempt(VertId v, Vec3 x, double old_sum, double old_min) {
   }
   constexpr double kGood = 0.5 * 0.5 * 0.5;
   if (low > 0 && sum < 0.995 * old_sum && low >= std::min(old_min, kGood)) {
-    for (std::size_t i = 0; i < ball_.size(); ++i) p.q3[ball_[i]] = static_cast<float>(fresh_[i]);
+    for (std::size_t i = 0; i < ball_.size(); ++i) {
+      p.q3[ball_[i]] = static_cast<float>(fresh_[i]);
+      p.dirty[ball_[i]] = kAllPasses;
+    }
     return true;
   }
   p.mesh.coords[v] = was;
