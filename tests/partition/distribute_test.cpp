@@ -116,7 +116,9 @@ TEST(Distribute, EdgesOfTheFileSurvive) {
   EXPECT_EQ(after.edges.size(), 48u + 4u);
   EXPECT_EQ(after.ridges.size(), 48u + 1u);
   for (const auto& e : before.edges) {
-    if (e.back() != 11) EXPECT_TRUE(std::binary_search(after.edges.begin(), after.edges.end(), e)) << e.back();
+    if (e.back() != 11) {
+      EXPECT_TRUE(std::binary_search(after.edges.begin(), after.edges.end(), e)) << e.back();
+    }
   }
   EXPECT_TRUE(std::binary_search(after.corners.begin(), after.corners.end(), before.corners[0]));
   EXPECT_EQ(after.required_verts, before.required_verts);

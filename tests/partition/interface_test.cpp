@@ -30,8 +30,12 @@ TEST(Interface, DisplacementMakesOldInterfacesInterior) {
     const auto now = shared_gids(comm, dist);
     std::vector<GlobalId> both;
     std::set_intersection(old_shared.begin(), old_shared.end(), now.begin(), now.end(), std::back_inserter(both));
-    if (comm.size() <= 2) EXPECT_TRUE(both.empty()) << both.size();
-    if (!old_shared.empty()) EXPECT_LT(both.size(), old_shared.size() / 2);
+    if (comm.size() <= 2) {
+      EXPECT_TRUE(both.empty()) << both.size();
+    }
+    if (!old_shared.empty()) {
+      EXPECT_LT(both.size(), old_shared.size() / 2);
+    }
   }
 }
 
@@ -60,7 +64,9 @@ TEST(Interface, UncontestedVerticesAreNotSharedAfterwards) {
       ++contested;
   }
   interior = comm.all_gather(interior);
-  if (comm.size() == 2) EXPECT_EQ(contested, 0u);
+  if (comm.size() == 2) {
+    EXPECT_EQ(contested, 0u);
+  }
   migrate(comm, dist, dest);
   const auto shared = shared_gids(comm, dist);
   for (const GlobalId g : interior) EXPECT_FALSE(std::binary_search(shared.begin(), shared.end(), g));

@@ -39,7 +39,9 @@ TEST(CutKeys, PartsAreInOrderAndBalanced) {
     comm.reduce(std::span<std::uint64_t>(high), Op::kMax);
     for (std::size_t p = 0; p < sum.size(); ++p) {
       EXPECT_NEAR(sum[p], total / parts, 10.001) << "at most one item beyond";
-      if (p > 0) EXPECT_GT(low[p], high[p - 1]);
+      if (p > 0) {
+        EXPECT_GT(low[p], high[p - 1]);
+      }
     }
   }
 }
