@@ -92,6 +92,9 @@ std::vector<SymTensor> symmetric_gradient(const TetMesh& mesh, const Halo& halo,
   return h;
 }
 
+/// Directions that the edges span less than this part of all are not corrected.
+constexpr double kLeastSpan = 1e-3;
+
 /// 1 at vertices of hull faces of any rank, 0 elsewhere.
 std::vector<std::int32_t> hull_vertices(const TetMesh& mesh, const Halo& halo) {
   std::vector<std::int32_t> hull(mesh.vert_slots(), 0);
@@ -103,6 +106,44 @@ std::vector<std::int32_t> hull_vertices(const TetMesh& mesh, const Halo& halo) {
   }
   halo.max(std::span(hull));
   return hull;
+}
+
+/// Corrects the gradient at hull vertices, where the one-sided mean is off by the cell size times the curvature.
+/// Along an edge e from an inner vertex w to v a quadratic function has u(v) - u(w) = (g(v) + g(w)) e / 2. The least
+/// change of g(v) that satisfies this for the inner neighbours, weighted by the tetrahedra between, makes it exact for
+/// quadratic functions where g(w) is and the edges span space; directions without an edge keep their value.
+void correct_hull(const TetMesh& mesh, const Halo& halo, const std::vector<std::int32_t>& hull,
+                  std::span<const double> scalar, std::vector<Vec3>& g) {
+  struct Normal {  // matrix * change = right
+    SymTensor matrix;
+    Vec3 right;
+  };
+  static_assert(sizeof(Normal) == 9 * sizeof(double));
+  std::vector<Normal> normal(g.size());
+  for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
+    const double v6 = volume6(mesh, t);
+    for (const auto& edge : kEdgeVerts) {
+      VertId v = mesh.tet2vert[t][static_cast<std::size_t>(edge[0])],
+             w = mesh.tet2vert[t][static_cast<std::size_t>(edge[1])];
+      if (hull[idx(v)] == hull[idx(w)]) continue;
+      if (hull[idx(v)] == 0) std::swap(v, w);
+      const Vec3 e = mesh.coords[v] - mesh.coords[w];
+      const double weight = v6 / dot(e, e);
+      const double missing = 2 * (scalar[idx(v)] - scalar[idx(w)]) - dot(g[idx(v)] + g[idx(w)], e);
+      Normal& n = normal[idx(v)];
+      n.matrix = n.matrix + weight * SymTensor{e.x * e.x, e.x * e.y, e.y * e.y, e.x * e.z, e.y * e.z, e.z * e.z};
+      n.right += weight * missing * e;
+    }
+  }
+  halo.sum(numbers(normal), 9);
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const SymTensor& m = normal[i].matrix;
+    const double trace = m.xx + m.yy + m.zz;
+    if (!(trace > 0)) continue;
+    const Eigen e = eigen(m);
+    for (std::size_t k = 0; k < 3; ++k)
+      g[i] += (dot(e.vector[k], normal[i].right) / (e.value[k] + kLeastSpan * trace)) * e.vector[k];
+  }
 }
 
 /// Gives every vertex marked in `open` the mean of its unmarked neighbours, weighted by the tetrahedra between them,
@@ -165,10 +206,11 @@ std::vector<SymTensor> recover_hessian(const Comm& comm, const DistMesh& dist, c
                                        std::span<const double> scalar) {
   check_scalar(comm, dist, scalar);
   const auto volume = patch_volumes6(dist.mesh, halo);
-  const auto g = gradient(dist.mesh, halo, volume, scalar);
+  auto g = gradient(dist.mesh, halo, volume, scalar);
+  auto open = hull_vertices(dist.mesh, halo);
+  correct_hull(dist.mesh, halo, open, scalar, g);
   auto h = symmetric_gradient(dist.mesh, halo, volume, g);
   // Two layers reach the corners of a box; vertices still open then (a mesh without inner vertices) keep their value.
-  auto open = hull_vertices(dist.mesh, halo);
   for (int layer = 0; layer < 4 && fill_from_neighbours(comm, dist.mesh, halo, open, h) > 0; ++layer) {
   }
   return h;

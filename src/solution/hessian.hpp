@@ -17,10 +17,11 @@ std::vector<Vec3> recover_gradient(const Comm& comm, const DistMesh& dist, const
                                    std::span<const double> scalar);
 
 /// Collective. The Hessian at every local vertex: the recovery done twice, made symmetric [handbook 35.3.3]. At
-/// vertices of the hull the patch of tetrahedra is one-sided and the twice recovered value is off by its own size; they
-/// take the weighted mean of their inner neighbours instead (or, if they have none, of hull vertices that had one).
-/// Exact for linear functions, and for quadratic ones at vertices whose second ring of tetrahedra is symmetric about
-/// them. Throws Error(kInput) on all ranks when a value is not finite (vertex number 1-based, global).
+/// vertices of the hull the patch of tetrahedra is one-sided: there the gradient is first corrected from the inner
+/// neighbours (quadratic along each edge), and the Hessian is the weighted mean of those of the inner neighbours (or,
+/// if there are none, of hull vertices that had some). Without the correction the first inner layer would be wrong by a
+/// quarter of its size. Exact for linear functions, and for quadratic ones at vertices whose first two rings are
+/// symmetric about them. Throws Error(kInput) on all ranks when a value is not finite (vertex number 1-based, global).
 /// @pre scalar.size() == dist.mesh.vert_slots(); `halo` is that of dist.sharing.
 std::vector<SymTensor> recover_hessian(const Comm& comm, const DistMesh& dist, const Halo& halo,
                                        std::span<const double> scalar);
