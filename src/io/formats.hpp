@@ -25,6 +25,8 @@ void write_medit_fields(const Comm& comm, const std::string& path, const FieldSl
 void write_vtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields);
 /// <stem>_<rank>.vtu for each rank's cells with the vertices they need, and the index `path`.
 void write_pvtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields);
+/// Text as it may stand inside a quoted XML attribute.
+std::string xml_escaped(const std::string& s);
 /// The XML attributes that describe field i: name, components and their names.
 std::string vtk_field_attributes(const FieldSlice& fields, std::size_t i);
 

@@ -85,11 +85,11 @@ Section read_section(Cursor& c, const InputFile& in, const std::string& path) {
   Section s;
   s.head = c.at;
   s.code = static_cast<std::int32_t>(c.int32());
-  const std::int64_t next = c.position();
   if (s.code == static_cast<std::int32_t>(Keyword::kEnd)) {
     c.at = -1;
     return s;
   }
+  const std::int64_t next = c.position();
   if (next != 0 && next <= c.at) {
     fail(path,
          fmt::format("damaged: keyword {} at byte {} says that the next begins at byte {}", s.code, s.head, next));

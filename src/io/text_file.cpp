@@ -22,6 +22,12 @@ bool is_nan_or_inf(const char* p, std::size_t n) noexcept {
          (lower(0) == 'i' && lower(1) == 'n' && lower(2) == 'f');
 }
 
+/// from_chars takes no plus sign. A sign after the plus stays in front of it, and so is no number.
+const char* skip_plus(const char* p, const char* end) noexcept {
+  const bool plus = end - p >= 2 && p[0] == '+' && p[1] != '+' && p[1] != '-';
+  return plus ? p + 1 : p;
+}
+
 void read_text(const InputFile& in, std::int64_t at, char* out, std::int64_t n) {
   in.read(at, std::as_writable_bytes(std::span<char>(out, static_cast<std::size_t>(n))));
 }
@@ -52,7 +58,7 @@ std::vector<char> read_lines(const InputFile& in, std::int64_t first, std::int64
 }  // namespace
 
 bool parse_number(const char*& p, const char* end, std::int64_t& value) noexcept {
-  const char* start = p < end && *p == '+' ? p + 1 : p;
+  const char* const start = skip_plus(p, end);
   const auto [stop, error] = std::from_chars(start, end, value);
   if (error != std::errc{} || (stop != end && !ends_token(*stop))) return false;
   p = stop;
@@ -60,7 +66,7 @@ bool parse_number(const char*& p, const char* end, std::int64_t& value) noexcept
 }
 
 bool parse_number(const char*& p, const char* end, double& value) noexcept {
-  const char* start = p < end && *p == '+' ? p + 1 : p;
+  const char* const start = skip_plus(p, end);
   const auto [stop, error] = std::from_chars(start, end, value);
   if (error == std::errc{} && (stop == end || ends_token(*stop))) {
     p = stop;
@@ -70,7 +76,7 @@ bool parse_number(const char*& p, const char* end, double& value) noexcept {
   char copy[128];
   const char* const last = token_end(start, end);
   const auto n = static_cast<std::size_t>(last - start);
-  if (n == 0 || n >= sizeof copy || *start == '+') return false;
+  if (n == 0 || n >= sizeof copy) return false;
   for (std::size_t i = 0; i < n; ++i) copy[i] = start[i] == 'd' || start[i] == 'D' ? 'e' : start[i];
   copy[n] = 0;
   const auto again = std::from_chars(copy, copy + n, value);

@@ -91,7 +91,7 @@ std::string index_text(const std::string& path, int ranks, const FieldSlice* fie
       "<PDataArray type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"/>\n</PPoints>\n";
   for (int r = 0; r < ranks; ++r) {
     const std::string piece = piece_path(path, r);
-    xml += fmt::format("<Piece Source=\"{}\"/>\n", piece.substr(piece.rfind('/') + 1));
+    xml += fmt::format("<Piece Source=\"{}\"/>\n", xml_escaped(piece.substr(piece.rfind('/') + 1)));
   }
   return xml + "</PUnstructuredGrid>\n</VTKFile>\n";
 }

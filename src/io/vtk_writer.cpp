@@ -15,29 +15,6 @@ constexpr std::uint8_t kVtkTriangle = 5, kVtkTetra = 10;
 // Medit has m11 m12 m22 m13 m23 m33, VTK has XX YY ZZ XY YZ XZ
 constexpr std::array<std::size_t, 6> kVtkTensor{0, 2, 5, 1, 4, 3};
 
-std::string escaped(const std::string& s) {
-  std::string out;
-  for (const char c : s) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 /// The array's place behind the underscore that begins the data, and the XML line that tells it.
 class Arrays {
  public:
@@ -156,9 +133,32 @@ void write_field_arrays(Writer& w, const Layout& l, const FieldSlice& fields) {
 
 }  // namespace
 
+std::string xml_escaped(const std::string& s) {
+  std::string out;
+  for (const char c : s) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
 std::string vtk_field_attributes(const FieldSlice& fields, std::size_t i) {
   const std::string name =
-      i < fields.names.size() && !fields.names[i].empty() ? escaped(fields.names[i]) : fmt::format("field{}", i);
+      i < fields.names.size() && !fields.names[i].empty() ? xml_escaped(fields.names[i]) : fmt::format("field{}", i);
   const int width = components(fields.kinds[i]);
   std::string out = fmt::format("type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\"", name, width);
   constexpr std::array<const char*, 6> kNames{"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
