@@ -10,7 +10,7 @@ namespace skein {
 namespace {
 
 constexpr int kMaxLevel = 20;
-constexpr std::size_t kMaxCells = 4'000'000;
+constexpr std::size_t kMaxCells = 150'000;  ///< of sources; TetGen takes some seconds for as many seeds
 
 /// Cell of the octree: integer position among the 2^level cells per axis, 21 bits each.
 struct Cell {

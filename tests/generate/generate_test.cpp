@@ -85,7 +85,7 @@ TEST(Generate, KeepsTheSurfaceWhenTold) {
   const MeshSlice whole = test::sphere(3);
   GenerateOptions options;
   options.keep_surface = true;
-  options.size_max = 0.1;
+  options.size_max = 0.15;
   const Generated g = run(world(), sliced(whole), options);
   expect_volume_mesh(g, whole);
   EXPECT_NEAR(g.stats.volume, check_surface(whole).volume, 1e-10);
@@ -122,7 +122,7 @@ TEST(Generate, GradesOverAThousandToOne) {
 TEST(Generate, GivesTheSameMeshStatisticsOnOneRank) {
   const MeshSlice whole = test::sphere(3);
   GenerateOptions options;
-  options.size_max = 0.12;
+  options.size_max = 0.15;
   const Generated g = run(world(), sliced(whole), options);
   const Comm self = Comm::self();
   const Generated one = run(self, whole, options);
