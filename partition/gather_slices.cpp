@@ -83,11 +83,15 @@ std::vector<FeatureEdge> own_edges(const Comm& comm, const DistMesh& dist) {
   std::vector<FeatureEdge> edges(dist.mesh.features.list());
   std::sort(edges.begin(), edges.end(),
             [](const FeatureEdge& e, const FeatureEdge& f) { return std::pair(e.a, e.b) < std::pair(f.a, f.b); });
+  std::vector<std::uint8_t> write(edges.size(), 1);
+  std::vector<std::size_t> doubtful;
   std::vector<Rank> dest;
   std::vector<Copy> copies;
-  for (const auto& e : edges) {
-    const auto [a, b] = std::minmax(dist.vert2gid[e.a], dist.vert2gid[e.b]);
-    dest.push_back(shared[e.a] != 0 && shared[e.b] != 0 ? meeting_rank(a, comm.size()) : comm.rank());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (shared[edges[i].a] == 0 || shared[edges[i].b] == 0) continue;
+    const auto [a, b] = std::minmax(dist.vert2gid[edges[i].a], dist.vert2gid[edges[i].b]);
+    doubtful.push_back(i);
+    dest.push_back(meeting_rank(a, comm.size()));
     copies.push_back({a, b, comm.rank()});
   }
   const Inquiry<Copy> inquiry(comm, dest, copies);
@@ -102,7 +106,8 @@ std::vector<FeatureEdge> own_edges(const Comm& comm, const DistMesh& dist) {
     const bool again = i > 0 && met[order[i]].a == met[order[i - 1]].a && met[order[i]].b == met[order[i - 1]].b;
     mine[order[i]] = again ? 0 : 1;
   }
-  const auto write = inquiry.answer(mine);
+  const auto answer = inquiry.answer(mine);
+  for (std::size_t i = 0; i < doubtful.size(); ++i) write[doubtful[i]] = answer[i];
   std::vector<FeatureEdge> out;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (write[i] != 0) out.push_back(edges[i]);

@@ -165,31 +165,36 @@ struct Seams {
   std::vector<std::pair<GlobalId, VertId>> verts;
 };
 
-/// Moves what stays to the front of all arrays, in place.
-Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leaving& leaving,
-                 const std::vector<FeatureUse>& features, Rank me) {
+/// Moves the vertices of what stays to the front of their arrays, in place. Gives their new numbers.
+IdVector<VertId, VertId> close_vertex_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, bool all_stay, Rank me) {
   TetMesh& m = dist.mesh;
-  Seams seams;
-  IdVector<VertId, VertId> old2new(m.vert_slots(), kNoVert);
-  if (leaving.tets.empty()) {
-    for (const VertId v : IdRange<VertId>(m.vert_slots())) old2new[v] = v;
-  } else {
-    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-      if (dest[t] != me) continue;
-      for (const VertId v : m.tet2vert[t]) old2new[v] = VertId{0};
-    }
+  IdVector<VertId, VertId> old2new(m.vert_slots(), all_stay ? VertId{0} : kNoVert);
+  for (const TetId t : IdRange<TetId>(all_stay ? 0 : m.tet_slots())) {
+    if (dest[t] != me) continue;
+    for (const VertId v : m.tet2vert[t]) old2new[v] = VertId{0};
   }
   const auto width = static_cast<std::size_t>(dist.data.width);
   std::size_t nv = 0;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     if (old2new[v] == kNoVert) continue;
     const VertId w = old2new[v] = to_id<VertId>(nv++);
+    if (w == v) continue;
     m.coords[w] = m.coords[v];
     m.vert_ref[w] = m.vert_ref[v];
     m.vert_flags[w] = m.vert_flags[v];
     dist.vert2gid[w] = dist.vert2gid[v];
     std::copy_n(dist.data.at(v), width, dist.data.at(w));
   }
+  m.coords.resize(nv);
+  return old2new;
+}
+
+/// Moves what stays to the front of all arrays, in place.
+Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leaving& leaving,
+                 const std::vector<FeatureUse>& features, Rank me) {
+  TetMesh& m = dist.mesh;
+  Seams seams;
+  const auto old2new = close_vertex_gaps(dist, dest, leaving.tets.empty(), me);
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (dest[t] != me) continue;
     const TetId s{leaving.place[t]};
@@ -211,16 +216,14 @@ Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leavin
     const VertId v = old2new[dist.sharing.vert[i]];
     if (v != kNoVert) seams.verts.emplace_back(dist.sharing.gid[i], v);
   }
-  if (!leaving.tets.empty()) {
-    FeatureEdges kept;
-    auto it = std::lower_bound(features.begin(), features.end(), FeatureUse{me, 0});
-    for (; it != features.end() && it->first == me; ++it) {
-      const FeatureEdge& e = m.features.list()[it->second];
-      kept.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
-    }
-    m.features = std::move(kept);
+  if (leaving.tets.empty()) return seams;
+  FeatureEdges kept;
+  auto it = std::lower_bound(features.begin(), features.end(), FeatureUse{me, 0});
+  for (; it != features.end() && it->first == me; ++it) {
+    const FeatureEdge& e = m.features.list()[it->second];
+    kept.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
   }
-  m.coords.resize(nv);
+  m.features = std::move(kept);
   return seams;
 }
 
@@ -332,6 +335,8 @@ void migrate(const Comm& comm, DistMesh& dist, const IdVector<TetId, Rank>& dest
     if (dest.size() != dist.mesh.tet_slots() ||
         std::any_of(dest.begin(), dest.end(), [&](Rank r) { return num(r) < 0 || num(r) >= comm.size(); }))
       throw Error(ExitCode::kInternal, "migrate: destinations do not fit the tetrahedra or the ranks");
+    if (std::count(dist.vert2gid.begin(), dist.vert2gid.end(), kNoGlobal) != 0)
+      throw Error(ExitCode::kInternal, "migrate: vertices without global id (number_new_vertices comes first)");
   });
   const Leaving leaving = sort_out(comm, dest);
   const auto features = leaving.tets.empty() ? std::vector<FeatureUse>() : features_by_rank(dist.mesh, dest);
@@ -355,6 +360,7 @@ void migrate(const Comm& comm, DistMesh& dist, const IdVector<TetId, Rank>& dest
     for (const VertId v : dist.mesh.tet2vert[t]) dist.mesh.vert2tet[v] = t;
   }
   rebuild_sharing(comm, dist);
+  merge_vertex_flags(comm, dist);
   count_global(comm, dist);
 }
 

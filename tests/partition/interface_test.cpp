@@ -9,8 +9,7 @@
 namespace skein::test {
 namespace {
 
-/// Global ids of the vertices that exactly these two ranks share, and no third rank's region can contest: their
-/// tetrahedra have no interface vertex that a higher rank than these two could take.
+/// Collective. Global ids of all shared vertices, ascending.
 std::vector<GlobalId> shared_gids(const Comm& comm, const DistMesh& dist) {
   auto all = comm.all_gather(dist.sharing.gid);
   std::sort(all.begin(), all.end());
