@@ -6,6 +6,10 @@
 
 #include "tests/support/world.hpp"
 
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
+
 namespace skein::test {
 namespace {
 
@@ -30,6 +34,16 @@ class FailurePrinter : public ::testing::EmptyTestEventListener {
   std::string name_;
 };
 
+/// With the leak sanitizer: looks for leaks before MPI ends, because then it forgets much of its own memory (the tests
+/// run with leak_check_at_exit=0).
+bool leaks_memory() {
+#if defined(__SANITIZE_ADDRESS__)
+  return __lsan_do_recoverable_leak_check() != 0;
+#else
+  return false;
+#endif
+}
+
 }  // namespace
 
 const Comm& world() noexcept { return *all_ranks; }
@@ -37,7 +51,13 @@ const Comm& world() noexcept { return *all_ranks; }
 }  // namespace skein::test
 
 int main(int argc, char** argv) {
+#if defined(__SANITIZE_ADDRESS__)
+  __lsan_disable();  // what MPI allocates as it starts is not ours
+#endif
   const skein::Environment environment(argc, argv);
+#if defined(__SANITIZE_ADDRESS__)
+  __lsan_enable();
+#endif
   ::testing::InitGoogleTest(&argc, argv);
   const skein::Comm world = skein::Comm::world();
   skein::test::all_ranks = &world;
@@ -46,6 +66,7 @@ int main(int argc, char** argv) {
     delete listeners.Release(listeners.default_result_printer());
     listeners.Append(new skein::test::FailurePrinter(world.rank()));
   }
-  const std::int32_t failed = RUN_ALL_TESTS();
+  std::int32_t failed = RUN_ALL_TESTS();
+  if (skein::test::leaks_memory()) failed = 1;
   return world.max(failed);
 }
