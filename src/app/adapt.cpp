@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "app/files.hpp"
@@ -46,6 +48,7 @@ Json to_json(const Options& o) {
   if (!o.metric.metric.empty()) j["metric"] = o.metric.metric;
   if (!o.metric.size.empty()) j["size"] = o.metric.size;
   if (!o.metric.field.empty()) j["field"] = o.metric.field;
+  if (!o.metric.field.empty()) j["norm"] = std::isinf(o.metric.norm) ? Json("inf") : Json(o.metric.norm);
   if (o.metric.complexity > 0) j["complexity"] = o.metric.complexity;
   if (o.metric.h_min > 0) j["hmin"] = o.metric.h_min;
   if (o.metric.h_max < 1e300) j["hmax"] = o.metric.h_max;
@@ -114,6 +117,8 @@ void add_adapt(CLI::App& cli, Run& run) {
   verb->add_option("--field", o->metric.field, "solution, a scalar per vertex: adapt to its second derivatives")
       ->excludes("--metric")
       ->excludes("--size");
+  verb->add_option("--norm", o->metric.norm, "with --field: the error's norm, 1, 2, 4 ... or inf")
+      ->check(CLI::Range(1.0, std::numeric_limits<double>::infinity()));
   verb->add_option("--hmin", o->metric.h_min, "smallest edge length")->check(CLI::PositiveNumber);
   verb->add_option("--hmax", o->metric.h_max, "largest edge length")->check(CLI::PositiveNumber);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));

@@ -2,9 +2,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <new>
 #include <sstream>
+#include <thread>
 
 #include "app/verbs.hpp"
 
@@ -33,14 +36,21 @@ ExitCode report_parse_result(const Comm& comm, const CLI::App& cli, const CLI::P
   return ExitCode::kUsage;
 }
 
-/// An error that may be this rank's alone: the others may wait for it in a collective, so all are ended.
-ExitCode fail_alone(const Comm& comm, ExitCode code, const std::string& line) {
-  if (comm.size() == 1) {
-    print_error(line);
-    return code;
-  }
-  print_error(fmt::format("{} (rank {} of {})", line, num(comm.rank()), comm.size()));
-  abort_all(code);
+/// An error that may be this rank's alone: the others may wait for it in a collective. Those who have it, too, meet at
+/// the barrier of `farewell`; if they do not come soon, this rank speaks for itself and ends the run.
+ExitCode fail_perhaps_alone(const Comm& comm, const Comm& farewell, ExitCode code, const std::string& line) {
+  std::atomic<bool> together = comm.size() == 1;
+  std::thread watch([&] {
+    for (int i = 0; i < 30 && !together; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (together) return;
+    print_error(fmt::format("{} (rank {} of {})", line, num(comm.rank()), comm.size()));
+    abort_all(code);
+  });
+  if (!together) farewell.barrier();
+  together = true;
+  watch.join();
+  if (comm.is_root()) print_error(line);
+  return code;
 }
 
 ExitCode parse_and_run(const Comm& comm, int argc, char** argv) {
@@ -65,18 +75,21 @@ ExitCode parse_and_run(const Comm& comm, int argc, char** argv) {
   return run(comm);
 }
 
-ExitCode guarded(const Comm& comm, int argc, char** argv) {
+ExitCode guarded(const Comm& comm, const Comm& farewell, int argc, char** argv) {
+  const auto fail = [&](ExitCode code, const std::string& line) {
+    return fail_perhaps_alone(comm, farewell, code, line);
+  };
   try {
     return parse_and_run(comm, argc, argv);
   } catch (const AgreedError& e) {
     if (comm.is_root()) print_error(e.what());
     return e.code();
   } catch (const Error& e) {
-    return fail_alone(comm, e.code(), e.what());
+    return fail(e.code(), e.what());
   } catch (const std::bad_alloc&) {
-    return fail_alone(comm, ExitCode::kInternal, "out of memory; use more ranks on more machines, or a coarser mesh");
+    return fail(ExitCode::kInternal, "out of memory; use more ranks on more machines, or a coarser mesh");
   } catch (const std::exception& e) {
-    return fail_alone(comm, ExitCode::kInternal, fmt::format("internal error, please report it: {}", e.what()));
+    return fail(ExitCode::kInternal, fmt::format("internal error, please report it: {}", e.what()));
   }
 }
 
@@ -86,7 +99,8 @@ ExitCode guarded(const Comm& comm, int argc, char** argv) {
 int main(int argc, char** argv) {
   skein::Environment environment(argc, argv);
   const skein::Comm comm = skein::Comm::world();
-  const skein::ExitCode code = skein::app::guarded(comm, argc, argv);
-  comm.barrier();  // rank 0 has spoken before any rank ends with an error, which makes mpirun end the others
+  const skein::Comm farewell = skein::Comm::world();  // free of messages of work that was broken off
+  const skein::ExitCode code = skein::app::guarded(comm, farewell, argc, argv);
+  farewell.barrier();  // rank 0 has spoken before any rank ends with an error, which makes mpirun end the others
   return static_cast<int>(code);
 }

@@ -9,6 +9,8 @@
 #include "io/mesh_io.hpp"
 #include "metric/tensor.hpp"
 #include "report/statistics.hpp"
+#include "solution/hessian.hpp"
+#include "solution/hessian_metric.hpp"
 
 namespace skein::app {
 namespace {
@@ -83,6 +85,44 @@ FieldSlice finite(FieldSlice f) {
   return f;
 }
 
+/// Collective. Scales the metric in dist.data to o.complexity (if given), then clamps its sizes.
+void scale_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
+  const bool clamps = o.h_min > 0 || o.h_max < 1e300;
+  double shift = 0;  // of the diagonal of the logarithm
+  if (o.complexity > 0) {
+    const double now = complexity(comm, dist);
+    agree(comm, [&] {
+      if (!(now > 0) || !std::isfinite(now)) {
+        throw Error(ExitCode::kInput, fmt::format("{}: its complexity is {}; it cannot be scaled", o.path(), now));
+      }
+    });
+    shift = 2.0 / 3 * std::log(o.complexity / now);
+  }
+  if (shift == 0 && !clamps) return;
+  const double low = -2 * std::log(o.h_max), high = o.h_min > 0 ? -2 * std::log(o.h_min) : 1e300;
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    double* d = dist.data.at(v);
+    d[0] += shift, d[2] += shift, d[5] += shift;
+    if (!clamps) continue;
+    Eigen e = eigen({d[0], d[1], d[2], d[3], d[4], d[5]});
+    for (double& value : e.value) value = std::clamp(value, low, high);
+    put(compose(e), d);
+  }
+}
+
+/// Collective. dist.data holds a scalar; it becomes the logarithm of the metric of its second derivatives.
+void metric_of_field(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
+  std::vector<SymTensor> metric(dist.mesh.vert_slots());
+  {
+    const Halo halo(comm, dist.sharing);
+    const std::vector<SymTensor> hessian = recover_hessian(comm, dist, halo, dist.data.values);
+    hessian_metric(comm, dist, o.complexity, o.norm, o.h_min, o.h_max, hessian, metric);
+  }
+  dist.data.width = 6;
+  dist.data.values.assign(6 * metric.size(), 0);
+  for (const VertId v : IdRange<VertId>(metric.size())) put(log(metric[idx(v)]), dist.data.at(v));
+}
+
 }  // namespace
 
 void add_metric_options(CLI::App& verb, MetricOptions& o) {
@@ -109,26 +149,10 @@ FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOpti
 }
 
 void make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
-  const bool clamps = o.h_min > 0 || o.h_max < 1e300;
-  double shift = 0;  // of the diagonal of the logarithm
-  if (o.complexity > 0) {
-    const double now = complexity(comm, dist);
-    agree(comm, [&] {
-      if (!(now > 0) || !std::isfinite(now)) {
-        throw Error(ExitCode::kInput, fmt::format("{}: its complexity is {}; it cannot be scaled", o.path(), now));
-      }
-    });
-    shift = 2.0 / 3 * std::log(o.complexity / now);
-  }
-  if (shift == 0 && !clamps) return;
-  const double low = -2 * std::log(o.h_max), high = o.h_min > 0 ? -2 * std::log(o.h_min) : 1e300;
-  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    double* d = dist.data.at(v);
-    d[0] += shift, d[2] += shift, d[5] += shift;
-    if (!clamps) continue;
-    Eigen e = eigen({d[0], d[1], d[2], d[3], d[4], d[5]});
-    for (double& value : e.value) value = std::clamp(value, low, high);
-    put(compose(e), d);
+  if (!o.field.empty()) {
+    metric_of_field(comm, dist, o);
+  } else {
+    scale_metric(comm, dist, o);
   }
 }
 

@@ -10,11 +10,12 @@
 namespace skein::app {
 
 struct MetricOptions {
-  std::string metric;     ///< solution with a symmetric tensor per vertex
-  std::string size;       ///< solution with an edge length per vertex
-  std::string field;      ///< solution with a scalar per vertex
-  double complexity = 0;  ///< 0: as given
-  double h_min = 0, h_max = 1e300;
+  std::string metric;               ///< solution with a symmetric tensor per vertex
+  std::string size;                 ///< solution with an edge length per vertex
+  std::string field;                ///< solution with a scalar per vertex
+  double complexity = 0;            ///< 0: as given
+  double h_min = 0, h_max = 1e300;  ///< length
+  double norm = 2;                  ///< of the interpolation error of `field`: L^p, p >= 1 or infinity
   [[nodiscard]] bool given() const noexcept { return !metric.empty() || !size.empty() || !field.empty(); }
   [[nodiscard]] const std::string& path() const noexcept {
     return !metric.empty() ? metric : !size.empty() ? size : field;
@@ -29,7 +30,9 @@ void add_metric_options(CLI::App& verb, MetricOptions& o);
 /// definite, and with both counts when it does not fit the mesh. @pre o.given()
 FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOptions& o);
 
-/// Collective. Scales the metric in dist.data to o.complexity (if given), then clamps its sizes.
+/// Collective. Makes dist.data the logarithm of the metric to adapt to: --metric and --size are scaled to the
+/// complexity (if given), then clamped to the sizes; --field becomes the metric of its second derivatives, which meets
+/// the complexity with the clamps. @pre dist.data is what read_metric() gave.
 void make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o);
 
 }  // namespace skein::app

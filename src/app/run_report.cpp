@@ -11,7 +11,6 @@
 #include "io/mesh_io.hpp"
 #include "metric/tensor.hpp"
 #include "partition/gather_slices.hpp"
-#include "partition/reconcile.hpp"
 #include "report/statistics.hpp"
 #include "report/statistics_json.hpp"
 #include "report/text.hpp"
@@ -85,7 +84,6 @@ void RunRecord::lap(const std::string& name) {
 
 void RunRecord::finish(const Comm& comm, DistMesh& dist) {
   log.start("statistics");
-  reconcile(comm, dist);
   const MeshStatistics s = statistics(comm, dist, true, run_.threads);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   lap("statistics");

@@ -40,7 +40,7 @@ class RunRecord {
 
   /// Seconds since the last lap (or the beginning) belong to `name`. Not collective.
   void lap(const std::string& name);
-  /// Collective. The rest of the flow: reconcile, statistics, writing of mesh, metric and report. The log-metric is the
+  /// Collective. The rest of the flow: statistics, writing of mesh, metric and report. The log-metric is the
   /// first 6 numbers of dist.data.
   void finish(const Comm& comm, DistMesh& dist);
 

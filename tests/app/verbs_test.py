@@ -1,0 +1,182 @@
+"""Every verb does its work, on one rank and on two."""
+import json
+import os
+import unittest
+
+import runner
+from runner import Case, RANKS, run, surface_only, write_mesh, write_solution
+
+
+class Verbs(Case):
+    def done(self, ranks, *args):
+        result = run(ranks, *args)
+        self.assertEqual(result.code, 0, result.out + result.err)
+        self.assertEqual(result.errors, [])
+        return result
+
+    def json(self, ranks, *args):
+        return json.loads(self.done(ranks, *args, "--json").out)
+
+    def assert_valid_cube(self, mesh, regions=None):
+        found = self.json(1, "check", mesh)
+        self.assertTrue(found["valid"], found)
+        self.assertAlmostEqual(found["volume"], 1, delta=1e-12)
+        self.assertAlmostEqual(found["area"], 6, delta=1e-11)
+        self.assertEqual(found["hull_euler"], 2)
+        return found
+
+    def test_help_and_version(self):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                self.assertEqual(self.done(ranks, "--version").out.count("skein "), 1)
+                for verb in ("adapt", "generate", "check", "stats", "convert", "partition"):
+                    if ranks == 1 or verb == "adapt":
+                        self.assertEqual(self.done(ranks, verb, "--help").out.count("Example: "), 1)
+
+    def test_adapt(self):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                out, report, metric = self.path("a.meshb"), self.path("a.json"), self.path("a.solb")
+                result = self.done(ranks, "adapt", self.good, "--metric", self.metric, "--complexity", "60", "-o", out,
+                                   "--report", report, "--metric-out", metric, "--threads", "2")
+                self.assertIn("balance", result.out)
+                found = self.assert_valid_cube(out)
+                with open(report, encoding="utf-8") as f:
+                    told = json.load(f)
+                self.assertEqual(told["elements_in"], len(self.tets))
+                self.assertEqual(told["vertices_in"], len(self.verts))
+                self.assertEqual((told["elements_out"], told["vertices_out"]), (found["tets"], found["vertices"]))
+                self.assertEqual((told["ranks"], told["threads"]), (ranks, 2))
+                self.assertEqual(len(told["peak_bytes"]), ranks)
+                self.assertAlmostEqual(told["complexity"], 60, delta=1e-3)
+                for name in ("total", "read", "distribute", "adapt", "write"):
+                    self.assertIn(name, told["seconds"])
+                self.assertIn("insert", {name for p in told["phases"] for name in p["operations"]})
+                # the files written tell the same as the report
+                stats = self.json(ranks, "stats", out, "--metric", metric)
+                self.assertEqual(stats["edges"], told["edges"])
+                for part in ("length", "quality"):
+                    for name, value in told[part].items():
+                        self.assertAlmostEqual(stats[part][name], value, places=9, msg=name)
+
+    def test_adapt_to_sizes_quietly(self):
+        sizes, out = self.path("h.sol"), self.path("b.vtu")
+        write_solution(sizes, [(0.2 + 0.2 * x,) for x, _, _ in self.verts])
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                result = self.done(ranks, "adapt", self.good, "--size", sizes, "-o", out, "--quiet", "--no-surface",
+                                   "--hmin", "0.25", "--hmax", "0.35")
+                self.assertEqual(result.out, "")
+                self.assertGreater(os.path.getsize(out), 1000)
+
+    def test_adapt_to_a_field(self):
+        field, out = self.path("u.sol"), self.path("c.mesh")
+        write_solution(field, [(x * x + 0.1 * y * y + 0.1 * z * z,) for x, y, z in self.verts])
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                self.done(ranks, "adapt", self.good, "--field", field, "--complexity", "60", "-o", out)
+                self.assert_valid_cube(out)
+
+    def test_generate(self):
+        surface, sources, out = self.path("s.mesh"), self.path("s.toml"), self.path("g.meshb")
+        verts, tris = surface_only(self.verts, self.tris)
+        write_mesh(surface, verts, [], tris)
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                report = self.path("g.json")
+                self.done(ranks, "generate", surface, "-o", out, "--size-max", "0.3", "--report", report)
+                found = self.assert_valid_cube(out)
+                with open(report, encoding="utf-8") as f:
+                    self.assertEqual(json.load(f)["elements_out"], found["tets"])
+
+    def test_check(self):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                self.assertIn("valid", self.done(ranks, "check", self.good).out)
+        bad = self.path("bad.mesh")
+        a, b, c, d = self.tets[5]
+        tets = [*self.tets[:5], (b, a, c, d), *self.tets[6:], self.tets[30]]
+        verts = [*self.verts, (5.0, 5.0, 5.0), self.verts[3]]
+        write_mesh(bad, verts, tets, [*self.tris[1:], (0, 1, 40, 9), self.tris[9]])
+        first = None
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                result = run(ranks, "check", bad, "--json")
+                self.assertEqual((result.code, result.errors), (1, []))
+                found = json.loads(result.out)
+                self.assertFalse(found["valid"])
+                self.assertEqual(found["nonpositive_tets"], 1)
+                self.assertEqual(found["findings"]["nonpositive_tets"][0]["tetrahedron"], 6)
+                self.assertEqual(found["misoriented_pairs"] + found["faces_over_2"] >= 4, True)
+                self.assertEqual(found["duplicate_tets"], 1)
+                self.assertEqual(found["findings"]["duplicate_tets"][0]["other"], 31)
+                self.assertEqual(found["hull_faces_not_triangles"], 1)
+                self.assertEqual(found["triangles_not_faces"], 1)
+                self.assertEqual(found["findings"]["triangles_not_faces"][0]["vertices"], [1, 2, 41])
+                self.assertEqual(found["duplicate_triangles"], 1)
+                self.assertEqual(found["unused_vertices"], 2)
+                self.assertEqual(found["findings"]["duplicate_vertices"][0]["other"], 4)
+                for sums in ("volume", "area"):
+                    del found[sums]
+                first = first or found
+                self.assertEqual(found, first)
+                text = run(ranks, "check", bad)
+                self.assertEqual(text.code, 1)
+                self.assertIn("tetrahedron 6", text.out)
+
+    def test_check_lists_ten_of_a_kind(self):
+        bad = self.path("bad.mesh")
+        write_mesh(bad, self.verts, self.tets, self.tris[20:])
+        result = run(1, "check", bad, "--json")
+        found = json.loads(result.out)
+        self.assertEqual(found["hull_faces_not_triangles"], 20)
+        self.assertEqual(len(found["findings"]["hull_faces_not_triangles"]), 10)
+
+    def test_stats(self):
+        one = self.json(1, "stats", self.good, "--metric", self.metric, "--complexity", "100")
+        two = self.json(2, "stats", self.good, "--metric", self.metric, "--complexity", "100")
+        self.assertAlmostEqual(one["complexity"], 100, delta=1e-9)
+        self.assertEqual(one["tets"], len(self.tets))
+        self.assertEqual(one["vertices"] - one["edges"] + (4 * one["tets"] + len(self.tris)) // 2 - one["tets"], 1)
+        self.assert_close(one, two)
+        self.assertEqual(one["dihedral"]["histogram_10deg"], two["dihedral"]["histogram_10deg"])
+        plain = self.done(2, "stats", self.good).out
+        self.assertIn("dihedral", plain)
+        self.assertNotIn("quality", plain)
+
+    def assert_close(self, a, b):
+        for name in a:
+            if isinstance(a[name], dict):
+                self.assert_close(a[name], b[name])
+            elif not isinstance(a[name], list):
+                self.assertAlmostEqual(a[name], b[name], delta=1e-12 * max(1, abs(a[name])), msg=name)
+
+    def test_convert(self):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                binary, text, vtu = self.path("x.meshb"), self.path("x.mesh"), self.path("x.vtu")
+                self.done(ranks, "convert", self.good, binary)
+                self.done(ranks, "convert", binary, text)
+                self.done(ranks, "convert", text, vtu)
+                self.assertEqual(self.assert_valid_cube(text)["tets"], len(self.tets))
+                self.done(ranks, "convert", self.metric, self.path("x.solb"))
+                self.done(ranks, "convert", self.path("x.solb"), self.path("x.sol"))
+                self.assertEqual(self.json(1, "stats", text, "--metric", self.path("x.sol")),
+                                 self.json(1, "stats", self.good, "--metric", self.metric))
+
+    def test_partition(self):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                out = self.path("p.meshb")
+                told = self.json(ranks, "partition", self.good, "--parts", "3", "-o", out)
+                self.assertGreater(told["cut_faces"], 0)
+                self.assertLess(told["imbalance"], 0.1)
+                self.assertGreaterEqual(told["components"], 3)
+                self.assertIn("seconds", told)
+                self.assert_valid_cube(out)
+                again = self.json(1, "partition", self.good, "--parts", "1")
+                self.assertEqual((again["cut_faces"], again["components"]), (0, 1))
+
+
+if __name__ == "__main__":
+    unittest.main()
