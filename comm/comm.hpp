@@ -14,8 +14,8 @@
 namespace skein {
 
 /// Initialises MPI (thread level FUNNELED) and finalises it. One per program, in main(). Catch exceptions inside its
-/// scope: when it is destroyed by an exception, or its rank alone fails, it ends all ranks at once instead of waiting
-/// for them.
+/// scope: an exception that destroys it ends all ranks at once (exit code 5), because the others may wait for this one.
+/// A rank that fails alone must call abort_all() and not return from main(): MPI_Finalize would wait for the others.
 class Environment {
  public:
   Environment(int& argc, char**& argv);
