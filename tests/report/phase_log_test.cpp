@@ -1,0 +1,90 @@
+// The phase log: sums over ranks, balance, and the JSON made of it.
+#include "report/phase_log.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "report/json.hpp"
+#include "report/text.hpp"
+#include "tests/support/world.hpp"
+
+namespace skein {
+namespace {
+
+TEST(PhaseLog, AddsUpOverRanks) {
+  const Comm& comm = test::world();
+  const auto r = static_cast<std::int64_t>(num(comm.rank())), ranks = static_cast<std::int64_t>(comm.size());
+  PhaseLog log(comm, PhaseLog::Output::kQuiet);
+  log.start("first");
+  log.count("insert", 10);
+  log.count("insert", r);
+  if (r == ranks - 1) log.count("only the last", 3);  // ranks need not name the same operations
+  log.busy(1);
+  log.busy(r == 0 ? 1 : 0);
+  log.finish(100 + r);
+  log.start("second");
+  log.finish(5);
+
+  ASSERT_EQ(log.phases().size(), 2U);
+  const PhaseCost& p = log.phases()[0];
+  EXPECT_EQ(p.name, "first");
+  EXPECT_EQ(p.elements, 100 * ranks + ranks * (ranks - 1) / 2);
+  EXPECT_EQ(p.operations.at("insert"), 10 * ranks + ranks * (ranks - 1) / 2);
+  EXPECT_EQ(p.operations.at("only the last"), 3);
+  EXPECT_DOUBLE_EQ(p.busy_max, 2);
+  EXPECT_DOUBLE_EQ(p.busy_min, ranks == 1 ? 2 : 1);
+  EXPECT_DOUBLE_EQ(p.balance, 100.0 * static_cast<double>(ranks + 1) / static_cast<double>(ranks) / 2);
+  EXPECT_LE(p.seconds_min, p.seconds_mean);
+  EXPECT_LE(p.seconds_mean, p.seconds_max);
+  EXPECT_TRUE(log.phases()[1].operations.empty());
+  EXPECT_EQ(to_json(p)["operations"]["only the last"], 3);
+}
+
+TEST(PhaseLog, PrintsOneLineForAPhase) {
+  const Comm& comm = test::world();
+  testing::internal::CaptureStdout();
+  PhaseLog log(comm, PhaseLog::Output::kPlain);
+  log.start("work");
+  log.finish(1234567);
+  log.note("a note");
+  const std::string out = testing::internal::GetCapturedStdout();
+  if (!comm.is_root()) {
+    EXPECT_EQ(out, "");
+    return;
+  }
+  EXPECT_EQ(std::count(out.begin(), out.end(), '\n'), 2);
+  EXPECT_NE(out.find(grouped(1234567 * comm.size()) + " tets"), std::string::npos) << out;
+  EXPECT_NE(out.find("a note\n"), std::string::npos);
+  EXPECT_EQ(out.find('\r'), std::string::npos);
+}
+
+TEST(Json, IsWrittenWholeOrNotAtAll) {
+  const Comm& comm = test::world();
+  const auto folder = std::filesystem::temp_directory_path() /
+                      ("skein-json-" + std::to_string(comm.broadcast(static_cast<std::int64_t>(getpid()))));
+  if (comm.is_root()) std::filesystem::create_directory(folder);
+  comm.barrier();
+  write_json(comm, folder / "report.json", Json{{"b", 1}, {"a", {1, 2}}});
+  EXPECT_THROW(write_json(comm, folder / "missing" / "report.json", Json{}), Error);
+  if (!comm.is_root()) return;
+  std::ifstream file(folder / "report.json");
+  EXPECT_EQ(Json::parse(file).dump(), R"({"b":1,"a":[1,2]})");  // in the order in which they were put
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Text, GroupsDigitsAndDrawsBars) {
+  EXPECT_EQ(grouped(0), "0");
+  EXPECT_EQ(grouped(999), "999");
+  EXPECT_EQ(grouped(1000), "1,000");
+  EXPECT_EQ(grouped(-123456), "-123,456");
+  EXPECT_EQ(bar(0), "");
+  EXPECT_EQ(bar(0.0001, 10), "#");
+  EXPECT_EQ(bar(0.5, 10), "#####");
+}
+
+}  // namespace
+}  // namespace skein
