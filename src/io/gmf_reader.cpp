@@ -90,17 +90,17 @@ Section read_section(Cursor& c, const InputFile& in, const std::string& path) {
     return s;
   }
   const std::int64_t next = c.position();
+  const KeywordInfo* k = find_keyword(s.code);
+  const std::string name = k != nullptr ? std::string(k->name) : fmt::format("keyword {}", s.code);
   if (next != 0 && next <= c.at) {
-    fail(path,
-         fmt::format("damaged: keyword {} at byte {} says that the next begins at byte {}", s.code, s.head, next));
+    fail(path, fmt::format("damaged: {} at byte {} says that the next keyword begins at byte {}", name, s.head, next));
   }
   if (next > in.size()) {
-    fail(path, fmt::format("truncated: keyword {} at byte {} reaches to byte {}, but the file has {} bytes: copy or "
+    fail(path, fmt::format("truncated: {} at byte {} reaches to byte {}, but the file has {} bytes: copy or "
                            "write it again",
-                           s.code, s.head, next, in.size()));
+                           name, s.head, next, in.size()));
   }
   s.end = next == 0 ? in.size() : next;
-  const KeywordInfo* k = find_keyword(s.code);
   if (k != nullptr) {
     s.count = s.code == static_cast<std::int32_t>(Keyword::kDimension) ? c.int32() : c.count();
     if (s.count < 0) {
@@ -118,13 +118,13 @@ std::vector<Section> read_sections(const InputFile& in, const std::string& path,
   std::vector<Section> out;
   Cursor c(in, path, header);
   c.at = 8;
-  while (c.at >= 0) {
+  for (std::size_t n = 0; c.at >= 0; ++n) {
+    if (n == kMost) fail(path, "damaged: too many keywords");
     const Section s = read_section(c, in, path);
     const KeywordInfo* k = find_keyword(s.code);
     if (k == nullptr) continue;
     const bool again = std::ranges::any_of(out, [&](const Section& o) { return o.code == s.code; });
     if (again) fail(path, fmt::format("{} appears a second time at byte {}", k->name, s.head));
-    if (out.size() > kMost) fail(path, "damaged: too many keywords");
     out.push_back(s);
   }
   return out;

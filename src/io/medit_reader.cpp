@@ -78,7 +78,7 @@ void require_size(const MeditFile& f, const Section& s, int width) {
   const std::int64_t numbers = s.end - s.begin;
   const bool fits = numbers % width == 0 && numbers / width == s.count;
   if (fits) return;
-  std::string until = fmt::format("the end of the file (line {})", f.text.words_end_line());
+  std::string until = fmt::format("the end of the file (line {})", f.text.lines());
   for (const TextWord& w : f.text.words()) {
     if (w.begin == s.end && w.line >= s.line && w.name() != s.keyword->name) {
       until = fmt::format("'{}' in line {}", w.name(), w.line);

@@ -100,7 +100,7 @@ void TextFile::load(const Comm& comm) {
     if (in.size() == 0) throw Error(ExitCode::kInput, fmt::format("{}: the file is empty", path_));
     const Slice range = even_slice(in.size(), comm.rank(), comm.size());
     if (range.size() > 0) text_ = read_lines(in, range.first, range.last);
-    if (std::memchr(text_.data(), 0, text_.size()) != nullptr) {
+    if (std::ranges::find(text_, '\0') != text_.end()) {
       throw Error(ExitCode::kInput,
                   fmt::format("{}: not a text file; binary files must end in .meshb or .solb", path_));
     }
@@ -152,7 +152,7 @@ void TextFile::number_globally(std::int64_t numbers, std::int64_t lines, std::ve
   words_ = comm_.all_gather(mine);
   const std::int64_t all = comm_.sum(numbers);
   for (std::size_t i = 0; i < words_.size(); ++i) words_[i].end = i + 1 < words_.size() ? words_[i + 1].begin : all;
-  last_line_ = comm_.sum(lines);
+  lines_ = comm_.sum(lines);
 }
 
 std::string TextFile::where(const Piece& piece, const char* p) const {

@@ -29,7 +29,7 @@ class TextFile {
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   /// All words of the file in order, the same on every rank.
   [[nodiscard]] const std::vector<TextWord>& words() const noexcept { return words_; }
-  [[nodiscard]] std::int64_t words_end_line() const noexcept { return last_line_; }  ///< lines in the file
+  [[nodiscard]] std::int64_t lines() const noexcept { return lines_; }  ///< lines in the file
 
   /// Collective. Numbers [begin, begin + n) on every rank; n must be small. A token that is no whole number is
   /// kNoNumber.
@@ -66,7 +66,7 @@ class TextFile {
   std::vector<Piece> pieces_;
   std::vector<TextWord> words_;
   std::int64_t first_number_ = 0;  // of this rank
-  std::int64_t last_line_ = 0;
+  std::int64_t lines_ = 0;
 };
 
 /// The number that begins at p, as far as the next white space, comment or `end`; p moves behind it. Returns false
