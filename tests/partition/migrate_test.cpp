@@ -111,6 +111,23 @@ TEST(Migrate, WorksAfterCompaction) {
   EXPECT_EQ(before, content(comm, to_slices(comm, dist)));
 }
 
+TEST(Migrate, SameInputGivesTheSameBytes) {
+  const Comm& comm = world();
+  const auto run = [&] {
+    DistMesh dist = make(comm);
+    migrate(comm, dist, scatter(comm, dist, 3));
+    migrate(comm, dist, displace_interface(comm, dist, 1, 2));
+    return dist;
+  };
+  const DistMesh a = run(), b = run();
+  EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
+  EXPECT_EQ(a.mesh.tet2face, b.mesh.tet2face);
+  EXPECT_EQ(a.mesh.coords, b.mesh.coords);
+  EXPECT_EQ(a.data.values, b.data.values);
+  EXPECT_EQ(a.vert2gid, b.vert2gid);
+  EXPECT_EQ(a.sharing.rank, b.sharing.rank);
+}
+
 TEST(Migrate, RefusesARankThatIsNotThere) {
   const Comm& comm = world();
   DistMesh dist = make(comm);
