@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
+#include "comm/file.hpp"
 #include "io/formats.hpp"
 #include "io/keywords.hpp"
 
@@ -96,6 +100,13 @@ void write_fields(const Comm& comm, const std::string& path, const FieldSlice& f
   if (is(path, ".solb")) return io::write_gmf_fields(comm, path, fields);
   if (is(path, ".sol")) return io::write_medit_fields(comm, path, fields);
   refuse_ending(comm, ExitCode::kOutput, path, ".sol, .solb");
+}
+
+void require_output(const Comm& comm, const std::string& path) {
+  constexpr std::array kEndings{".mesh", ".meshb", ".vtu", ".pvtu", ".sol", ".solb"};
+  const bool known = std::ranges::any_of(kEndings, [&](const char* e) { return is(path, e); });
+  if (!known) refuse_ending(comm, ExitCode::kOutput, path, ".mesh, .meshb, .vtu, .pvtu, .sol, .solb");
+  const OutputFile trial(comm, path);  // not committed: removed again
 }
 
 }  // namespace skein

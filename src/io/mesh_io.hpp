@@ -22,5 +22,9 @@ void write_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh
 FieldSlice read_fields(const Comm& comm, const std::string& path);
 /// Collective. .sol or .solb; slices and naming as for write_mesh.
 void write_fields(const Comm& comm, const std::string& path, const FieldSlice& fields);
+/// Collective. Throws Error(kOutput) on all ranks when write_mesh or write_fields would refuse the path: ending
+/// unknown, folder missing or not writable. For the start of a run, so that it does not fail at its end; leaves nothing
+/// behind.
+void require_output(const Comm& comm, const std::string& path);
 
 }  // namespace skein

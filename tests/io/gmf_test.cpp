@@ -106,6 +106,15 @@ TEST(Gmf, UnknownEndings) {
   expect_contains(error_line(world(), [&] { read_fields(world(), "a.meshb"); }), {"a.meshb", ".solb"});
 }
 
+TEST(Gmf, OutputsAreTriedBeforeTheRun) {
+  const Folder folder(world());
+  require_output(world(), folder / "a.meshb");
+  require_output(world(), folder / "a.sol");
+  EXPECT_TRUE(folder.names().empty());
+  expect_contains(error_line(world(), [&] { require_output(world(), folder / "a.stl"); }), {folder / "a.stl", ".pvtu"});
+  expect_contains(error_line(world(), [&] { require_output(world(), folder / "no/a.mesh"); }), {folder / "no"});
+}
+
 TEST(Gmf, SlicesWithGapsAreRefused) {
   const Folder folder(world());
   MeshSlice mine = cut(whole_box(1), world());
