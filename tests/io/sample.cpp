@@ -283,7 +283,9 @@ std::string Folder::write(const std::string& name, const std::string& text) cons
 
 std::vector<std::string> Folder::names() const {
   std::vector<std::string> out;
+  comm_.barrier();
   for (const auto& entry : fs::directory_iterator(path_)) out.push_back(entry.path().filename().string());
+  comm_.barrier();
   std::ranges::sort(out);
   return out;
 }

@@ -38,7 +38,7 @@ class Folder {
   /// Collective. Rank 0 writes the file; all may read it then.
   std::string write(const std::string& name, const std::vector<std::byte>& bytes) const;
   std::string write(const std::string& name, const std::string& text) const;
-  /// Names of what is in it.
+  /// Collective. Names of what is in it when all ranks have come here.
   [[nodiscard]] std::vector<std::string> names() const;
 
  private:
