@@ -70,6 +70,14 @@ TEST(SourcesFile, MissingFileIsAnErrorOnAllRanks) {
   expect_error([] { read_sources(world(), "/nowhere/sources.toml"); }, ExitCode::kInput, {"/nowhere/sources.toml"});
 }
 
+TEST(SourcesFile, ExamplesAreValid) {
+  for (const std::string name : {"sources/example.toml", "wingbody/sources.toml"}) {
+    const SpacingField f = read_sources(world(), std::string(SKEIN_EXAMPLES) + "/" + name);
+    EXPECT_GE(f.sources.size(), 3U) << name;
+    EXPECT_LT(f.size_max, 1e300) << name;
+  }
+}
+
 TEST(SourcesFile, MayBeEmpty) {
   const SpacingField f = parse_sources("", "x.toml");
   EXPECT_TRUE(f.sources.empty());
