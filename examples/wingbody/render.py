@@ -3,8 +3,8 @@
 
     render.py BEFORE.meshb BEFORE.solb AFTER.meshb AFTER.solb OUT.png
 
-Left the mesh before, right after. From above: the body and the mesh on the symmetry plane; the wing's upper side; a cut
-through the volume across the wing that follows the tetrahedra. Colour: the field of field.cpp (an analytic formula, not a flow solution).
+Left the mesh before, right after. From above: the body and the mesh on the symmetry plane; the wing's upper side; the
+tetrahedra cut by a plane across the wing. Colour: the field of field.cpp (an analytic formula, not a flow solution).
 Needs Debian's python3-vtk9 and python3-numpy.
 """
 import struct
@@ -69,30 +69,42 @@ def read_scalar(path):
 
 
 # ---------------------------------------------------------------------------------------------------- geometry
-def cut_faces(coords, tets, axis, at, low, high):
-    """The jagged face between the tetrahedra beyond the plane and the others, inside a box."""
-    centre = coords[tets].mean(axis=1)
-    near = np.all((centre > low) & (centre < high), axis=1)
-    tets, beyond = tets[near], centre[near, axis] > at
-    faces = np.concatenate([tets[:, k] for k in ([1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1])])
-    kept = np.tile(beyond, 4)
-    key = np.sort(faces, axis=1)
-    order = np.lexsort(key.T)
-    key, kept, faces = key[order], kept[order], faces[order]
-    pair = np.flatnonzero(np.all(key[1:] == key[:-1], axis=1))
-    pair = pair[kept[pair] != kept[pair + 1]]
-    return np.where(kept[pair][:, None], faces[pair], faces[pair + 1])
+def cut(coords, scalar, tets, at):
+    """The tetrahedra cut by the plane y = at, as triangles and quadrilaterals."""
+    y = coords[tets, 1]
+    tets = tets[(y.min(axis=1) <= at) & (y.max(axis=1) > at)]
+    used, local = np.unique(tets, return_inverse=True)
+    rows = np.column_stack([np.full(len(tets), 4), local.reshape(-1, 4)]).astype(np.int64)
+    cells = vtk.vtkCellArray()
+    cells.SetCells(len(tets), numpy_to_vtkIdTypeArray(rows.ravel(), deep=True))
+    grid = vtk.vtkUnstructuredGrid()
+    grid.SetPoints(points_of(coords[used]))
+    grid.SetCells(vtk.VTK_TETRA, cells)
+    grid.GetPointData().SetScalars(numpy_to_vtk(scalar[used], deep=True))
+    plane = vtk.vtkPlane()
+    plane.SetOrigin(0, at, 0)
+    plane.SetNormal(0, 1, 0)
+    cutter = vtk.vtkCutter()
+    cutter.SetInputData(grid)
+    cutter.SetCutFunction(plane)
+    cutter.GenerateTrianglesOff()
+    cutter.Update()
+    return cutter.GetOutput()
+
+
+def points_of(coords):
+    points = vtk.vtkPoints()
+    points.SetData(numpy_to_vtk(coords, deep=True))
+    return points
 
 
 def poly_data(coords, scalar, faces):
     used, local = np.unique(faces, return_inverse=True)
-    points = vtk.vtkPoints()
-    points.SetData(numpy_to_vtk(coords[used], deep=True))
     cells = vtk.vtkCellArray()
     rows = np.column_stack([np.full(len(faces), 3), local.reshape(-1, 3)]).astype(np.int64)
     cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(rows.ravel(), deep=True))
     data = vtk.vtkPolyData()
-    data.SetPoints(points)
+    data.SetPoints(points_of(coords[used]))
     data.SetPolys(cells)
     values = numpy_to_vtk(scalar[used], deep=True)
     values.SetName("field")
@@ -238,12 +250,11 @@ def draw(mesh_path, field_path, table):
     near = np.linalg.norm(coords[triangles[:, :3]].mean(axis=1) - (12, 0, 0), axis=1) < 60
     surface = triangles[near & (triangles[:, 3] != FAR_FIELD)]
     body = surface[surface[:, 3] != SYMMETRY]
-    jagged = cut_faces(coords, tets, 1, CUT_AT, (4, CUT_AT - 8, -10), (32, CUT_AT + 8, 12))
     line = 1.0 if len(tets) < 200000 else 0.7
     shown = (
         actor(poly_data(coords, scalar, surface[:, :3]), table, line, 0.25, 0.6),
         actor(poly_data(coords, scalar, body[:, :3]), table, line, 0.25, 0.7),
-        actor(poly_data(coords, scalar, jagged), table, line, 0.25, 0.75),
+        actor(cut(coords, scalar, tets, CUT_AT), table, line, 0.25, 1.0),
     )
     return shown, f"{thousands(len(tets))} tetrahedra, {thousands(len(coords))} vertices"
 
@@ -257,7 +268,7 @@ def main():
     captions = (
         (f"before: {before_size}", f"after: {after_size}"),
         ("before: the wing from above", "after: the wing from above"),
-        (f"before: the tetrahedra beyond y = {CUT_AT:g}", f"after: the tetrahedra beyond y = {CUT_AT:g}"),
+        (f"before: the tetrahedra cut at y = {CUT_AT:g}", f"after: the tetrahedra cut at y = {CUT_AT:g}"),
     )
     page = Page()
     title(page, table)
