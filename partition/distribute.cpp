@@ -12,7 +12,7 @@
 namespace skein {
 namespace distributing {
 
-void refuse(const Source& src, std::vector<Offence> offences, const std::string& what, const std::string& advice) {
+void refuse(const FileSource& src, std::vector<Offence> offences, const std::string& what, const std::string& advice) {
   constexpr std::size_t kNamed = 5;
   const auto total = src.comm.sum(static_cast<std::int64_t>(offences.size()));
   if (total == 0) return;
@@ -58,7 +58,7 @@ DistMesh distribute(const Comm& comm, const MeshSlice& file, const FieldSlice* f
                     DistributeReport* report) {
   using namespace distributing;
   DistributeReport found;
-  const Source src = open_source(comm, file, fields, options);
+  const FileSource src = open_source(comm, file, fields, options);
   Growing g = place_tets(src, found);
   match_and_tag_faces(src, g, found);
   rebuild_sharing(comm, g.dist);

@@ -48,7 +48,8 @@ struct Mail {
 
 /// The edges and corners of tagged faces, each to the rank that will see all of its kind: this one if one of its
 /// vertices is not shared.
-void send_surface(const Source& src, const Growing& g, std::vector<FaceEdge>& edges, std::vector<FaceCorner>& corners) {
+void send_surface(const FileSource& src, const Growing& g, std::vector<FaceEdge>& edges,
+                  std::vector<FaceCorner>& corners) {
   const TetMesh& m = g.dist.mesh;
   const auto& gid = g.dist.vert2gid;
   const int ranks = src.comm.size();
@@ -80,7 +81,7 @@ void add_both_ends(Mail<FeatureEnd>& mail, int ranks, GlobalId a, GlobalId b, Ve
 }
 
 /// Ridges by the shape of the surface.
-void find_ridges(const Source& src, std::vector<FaceEdge> edges, Mail<FeatureEnd>& mail) {
+void find_ridges(const FileSource& src, std::vector<FaceEdge> edges, Mail<FeatureEnd>& mail) {
   const double flat = cos_degrees(src.options.ridge_angle);
   std::sort(edges.begin(), edges.end(), [](const FaceEdge& e, const FaceEdge& f) {
     return std::tie(e.a, e.b, e.patch) < std::tie(f.a, f.b, f.patch);
@@ -98,7 +99,7 @@ void find_ridges(const Source& src, std::vector<FaceEdge> edges, Mail<FeatureEnd
 }
 
 /// The edges of the file; their directions from the owners of the vertices.
-void add_given_edges(const Source& src, Mail<FeatureEnd>& mail) {
+void add_given_edges(const FileSource& src, Mail<FeatureEnd>& mail) {
   const auto& list = src.file.edges;
   std::vector<GlobalId> ends;
   std::vector<Rank> dest;
@@ -196,7 +197,7 @@ struct Feature {
 };
 
 /// Asks for the features at all vertices that may have some; sets the vertex flags. Gives the features at them.
-std::vector<Feature> ask_features(const Source& src, Growing& g, const std::vector<FeatureEnd>& ends) {
+std::vector<Feature> ask_features(const FileSource& src, Growing& g, const std::vector<FeatureEnd>& ends) {
   TetMesh& m = g.dist.mesh;
   std::vector<GlobalId> questions;
   std::vector<VertId> verts;
@@ -245,7 +246,7 @@ void keep_local_features(Growing& g, const std::vector<Feature>& features) {
 }
 
 /// Features that no rank has kept.
-std::int64_t count_lost(const Source& src, const Growing& g, const std::vector<FeatureEnd>& ends) {
+std::int64_t count_lost(const FileSource& src, const Growing& g, const std::vector<FeatureEnd>& ends) {
   struct Pair {
     GlobalId a, b;
     auto operator<=>(const Pair&) const = default;
@@ -266,7 +267,7 @@ std::int64_t count_lost(const Source& src, const Growing& g, const std::vector<F
 
 }  // namespace
 
-void find_features(const Source& src, Growing& g, DistributeReport& report) {
+void find_features(const FileSource& src, Growing& g, DistributeReport& report) {
   std::vector<FaceEdge> edges;
   std::vector<FaceCorner> corners;
   send_surface(src, g, edges, corners);

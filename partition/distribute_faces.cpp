@@ -106,7 +106,7 @@ std::vector<FaceId> faces_to_judge(const Growing& g) {
 }
 
 /// Patch of each reference: the distinct references of all triangles, ascending.
-std::vector<std::int32_t> collect_patches(const Source& src) {
+std::vector<std::int32_t> collect_patches(const FileSource& src) {
   std::vector<std::int32_t> refs(src.file.triangles.ref);
   const auto distinct = [&] {
     std::sort(refs.begin(), refs.end());
@@ -206,7 +206,7 @@ class Court {
   std::int64_t bare_hull = 0, bare_region = 0;
 };
 
-std::vector<Triangle> send_triangles(const Source& src) {
+std::vector<Triangle> send_triangles(const FileSource& src) {
   const auto& list = src.file.triangles;
   std::vector<Triangle> out(list.verts.size());
   std::vector<Rank> dest(out.size());
@@ -219,7 +219,7 @@ std::vector<Triangle> send_triangles(const Source& src) {
 }
 
 /// Adds the patches of faces without triangle and puts their numbers where they were left open.
-void name_bare_patches(const Source& src, Court& court, std::vector<std::int32_t>& patch_ref,
+void name_bare_patches(const FileSource& src, Court& court, std::vector<std::int32_t>& patch_ref,
                        DistributeReport& report) {
   report.untagged_hull_faces = src.comm.sum(court.bare_hull);
   report.untagged_region_faces = src.comm.sum(court.bare_region);
@@ -240,7 +240,7 @@ void name_bare_patches(const Source& src, Court& court, std::vector<std::int32_t
 
 }  // namespace
 
-void match_and_tag_faces(const Source& src, Growing& g, DistributeReport& report) {
+void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& report) {
   TetMesh& m = g.dist.mesh;
   match_locally(m);
   const auto faces = faces_to_judge(g);

@@ -17,7 +17,7 @@ Rank Blocks::owner(std::int64_t i) const noexcept {
 
 namespace {
 
-void check_fields(const Source& src) {
+void check_fields(const FileSource& src) {
   agree(src.comm, [&] {
     const FieldSlice* f = src.fields;
     if (f == nullptr) return;
@@ -31,7 +31,7 @@ void check_fields(const Source& src) {
 }
 
 template <std::size_t N>
-void check_entities(const Source& src, const EntitySlice<N>& list, const std::string& name, bool all_differ) {
+void check_entities(const FileSource& src, const EntitySlice<N>& list, const std::string& name, bool all_differ) {
   std::vector<Offence> outside, repeated;
   for (std::size_t i = 0; i < list.verts.size(); ++i) {
     const auto& v = list.verts[i];
@@ -49,7 +49,7 @@ void check_entities(const Source& src, const EntitySlice<N>& list, const std::st
   refuse(src, repeated, name + " with a repeated vertex", "remove them");
 }
 
-void check_coordinates(const Source& src) {
+void check_coordinates(const FileSource& src) {
   std::vector<Offence> bad;
   for (std::size_t i = 0; i < src.file.coords.size(); ++i) {
     if (!is_finite(src.file.coords[i])) bad.push_back({src.file.first_vert + static_cast<std::int64_t>(i), -1});
@@ -86,7 +86,7 @@ void mark_list(const VertexListSlice& list, std::int64_t total, std::uint8_t bit
   }
 }
 
-void deliver_vertex_flags(Source& src, const std::vector<std::uint8_t>& edge_required) {
+void deliver_vertex_flags(FileSource& src, const std::vector<std::uint8_t>& edge_required) {
   const MeshSlice& f = src.file;
   std::vector<Mark> marks;
   mark_list(f.corners, f.total_verts, kCorner, marks);
@@ -103,9 +103,9 @@ void deliver_vertex_flags(Source& src, const std::vector<std::uint8_t>& edge_req
 
 }  // namespace
 
-Source open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
-                   const DistributeOptions& options) {
-  Source src{comm, file, fields, options, Blocks(comm, file.first_vert), {}, {}, {}};
+FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
+                       const DistributeOptions& options) {
+  FileSource src{comm, file, fields, options, Blocks(comm, file.first_vert), {}, {}, {}};
   check_fields(src);
   check_coordinates(src);
   check_entities(src, file.tets, "tetrahedra", true);
@@ -136,12 +136,12 @@ struct FileTet {
   std::int64_t ref;
 };
 
-Inquiry<GlobalId> ask_vertices(const Source& src, const std::vector<GlobalId>& gids) {
+Inquiry<GlobalId> ask_vertices(const FileSource& src, const std::vector<GlobalId>& gids) {
   std::vector<Rank> dest(gids.size());
   for (std::size_t i = 0; i < gids.size(); ++i) dest[i] = src.vert_blocks.owner(num(gids[i]));
   return {src.comm, dest, gids};
 }
-std::size_t local(const Source& src, GlobalId g) noexcept {
+std::size_t local(const FileSource& src, GlobalId g) noexcept {
   return static_cast<std::size_t>(num(g) - src.file.first_vert);
 }
 
@@ -152,7 +152,7 @@ struct Site {
 };
 
 /// The slice's tetrahedra with their Hilbert keys, and the rank of each.
-std::vector<FileTet> plan(const Source& src, std::vector<Rank>& dest) {
+std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   const auto& tets = src.file.tets;
   const bool metric = src.options.work_from_metric && src.fields != nullptr && src.fields->width >= 6;
   GidMap gids(tets.verts.size() / 4 + 16);
@@ -189,7 +189,7 @@ std::vector<FileTet> plan(const Source& src, std::vector<Rank>& dest) {
 }
 
 /// Sends the tetrahedra and makes a mesh of what comes, in Hilbert order, without vertex values.
-Growing gather_tets(const Source& src) {
+Growing gather_tets(const FileSource& src) {
   Packets<FileTet> got;
   {
     std::vector<Rank> dest;
@@ -222,7 +222,7 @@ struct FileVert {
   std::uint16_t unused;
 };
 
-void fetch_vertices(const Source& src, Growing& g, DistributeReport& report) {
+void fetch_vertices(const FileSource& src, Growing& g, DistributeReport& report) {
   const auto inquiry = ask_vertices(src, g.gid2vert.gids());
   const auto& asked = inquiry.asked().items;
   std::vector<std::uint8_t> asks(src.file.coords.size(), 0);
@@ -259,7 +259,7 @@ void fetch_vertices(const Source& src, Growing& g, DistributeReport& report) {
 }
 
 /// Turns all tetrahedra if all are inverted; refuses flat ones and those that differ from the most.
-void check_orientation(const Source& src, Growing& g, DistributeReport& report) {
+void check_orientation(const FileSource& src, Growing& g, DistributeReport& report) {
   TetMesh& m = g.dist.mesh;
   IdVector<TetId, std::int8_t> sign(m.tet_slots());
   std::array<std::int64_t, 3> count{};  // negative, flat, positive
@@ -285,7 +285,7 @@ void check_orientation(const Source& src, Growing& g, DistributeReport& report) 
 
 }  // namespace
 
-Growing place_tets(const Source& src, DistributeReport& report) {
+Growing place_tets(const FileSource& src, DistributeReport& report) {
   Growing g = gather_tets(src);
   fetch_vertices(src, g, report);
   check_orientation(src, g, report);

@@ -22,7 +22,7 @@ class Blocks {
 };
 
 /// The file's slices and what their owners have been told about them.
-struct Source {
+struct FileSource {
   const Comm& comm;
   const MeshSlice& file;
   const FieldSlice* fields;
@@ -50,12 +50,13 @@ struct Offence {
 };
 /// Collective. If any rank has offences: throws Error(kInvalidMesh) on all ranks, "path: what: numbers (n in all), the
 /// first at ...; advice". Returns otherwise.
-void refuse(const Source& src, std::vector<Offence> offences, const std::string& what, const std::string& advice);
+void refuse(const FileSource& src, std::vector<Offence> offences, const std::string& what, const std::string& advice);
 
 // All collective, in this order.
-Source open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields, const DistributeOptions& options);
-Growing place_tets(const Source& src, DistributeReport& report);
-void match_and_tag_faces(const Source& src, Growing& g, DistributeReport& report);
-void find_features(const Source& src, Growing& g, DistributeReport& report);
+FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
+                       const DistributeOptions& options);
+Growing place_tets(const FileSource& src, DistributeReport& report);
+void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& report);
+void find_features(const FileSource& src, Growing& g, DistributeReport& report);
 
 }  // namespace skein::distributing

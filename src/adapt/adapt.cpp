@@ -7,11 +7,13 @@
 #include <numeric>
 
 #include "adapt/local.hpp"
+#include "kernel/interface.hpp"
 #include "mesh/adjacency.hpp"
 #include "partition/interface.hpp"
 #include "partition/migrate.hpp"
 #include "partition/partition.hpp"
 #include "partition/reconcile.hpp"
+#include "partition/sharing.hpp"
 
 namespace skein {
 namespace {
@@ -39,6 +41,30 @@ void data_from_metric(DistMesh& dist, const MetricField& f) {
     double* d = dist.data.at(v);
     d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
   }
+}
+
+/// Collective. Refines the interface between ranks where its edges are too long for the metric, on both sides alike;
+/// not at all if that fails on any rank.
+void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions& options) {
+  Part part;
+  IdVector<VertId, GlobalId> gid = dist.vert2gid;
+  std::int32_t failed = 0;
+  agree(comm, [&] {
+    part.options = options.kernel;
+    part.spacing = options.spacing;
+    part.metric = metric_from_data(dist);
+    part.mesh = dist.mesh;
+    prepare(part);
+    failed = refine_interface(part, gid, options.kernel.surface ? 0 : kSurface) ? 0 : 1;
+  });
+  if (comm.max(failed) != 0 || comm.sum(part.counts.insert) == 0) return;
+  agree(comm, [&] {
+    dist.mesh = std::move(part.mesh);
+    dist.vert2gid = std::move(gid);
+    data_from_metric(dist, part.metric);
+  });
+  rebuild_sharing(comm, dist);
+  renumber_compact(comm, dist);
 }
 
 /// The local part of a round: the kernel on this rank's mesh. Not collective.
@@ -85,6 +111,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
         mark_active_band(comm, dist, kActiveLayers);
         migrate(comm, dist, displace_interface(comm, dist, kLayers, round));
       }
+      if (round == 0) refine_rank_interface(comm, dist, local);
     }
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
     log.start(fmt::format("round {}: adapt", round + 1));

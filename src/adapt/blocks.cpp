@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <unordered_map>
+
+#include "kernel/interface.hpp"
 
 namespace skein {
 namespace {
@@ -118,9 +121,9 @@ void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector
         out.frozen.push_back(w);
         out.frozen_of.push_back(v);
       }
+      out.id.push_back(GlobalId{num(v)});
       if (between[v] != 0) {
         out.common.push_back(w);
-        out.common_of.push_back(v);
         if ((flags & kFrozen) != 0) flags |= kWasFrozen;
         flags |= kFrozen;
       }
@@ -179,6 +182,14 @@ Block cut_block(const TetMesh& m, const MetricField& metric, const BlockLabels& 
   return out;
 }
 
+bool refine_block_interface(Block& block) {
+  const std::size_t before = block.part.mesh.vert_slots();
+  const int keep = kWasFrozen | (block.part.options.surface ? 0 : kSurface);
+  if (!refine_interface(block.part, block.id, static_cast<std::uint8_t>(keep))) return false;
+  for (std::size_t i = before; i < block.part.mesh.vert_slots(); ++i) block.common.push_back(to_id<VertId>(i));
+  return true;
+}
+
 namespace {
 
 /// Joins what the blocks have in common; numbers the rest behind one another.
@@ -218,9 +229,8 @@ class Joiner {
   void add_vertices(const Block& block) {
     const TetMesh& m = block.part.mesh;
     new_of_.assign(m.vert_slots(), kNoVert);
-    for (std::size_t i = 0; i < block.common.size(); ++i) {
-      const VertId v = block.common[i];
-      VertId& merged = out_.old2new[block.common_of[i]];
+    for (const VertId v : block.common) {
+      VertId& merged = by_id_.try_emplace(num(block.id[v]), kNoVert).first->second;
       if (merged == kNoVert) {
         std::uint8_t flags = m.vert_flags[v];
         if ((flags & kWasFrozen) == 0) flags = static_cast<std::uint8_t>(flags & ~kFrozen);
@@ -296,6 +306,7 @@ class Joiner {
   std::vector<Block>& blocks_;
   Merged out_;
   IdVector<VertId, VertId> new_of_;
+  std::unordered_map<std::int64_t, VertId> by_id_;  ///< common vertices that are there already
   std::vector<FaceId> open_;
 };
 

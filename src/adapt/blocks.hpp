@@ -28,8 +28,10 @@ void keep_active_near_blocks(TetMesh& mesh, const BlockLabels& label, int layers
 /// One part with what leads back to the mesh it was cut from.
 struct Block {
   Part part;
-  std::vector<VertId> common;     ///< the part's vertices that other blocks have, too (frozen), ascending
-  std::vector<VertId> common_of;  ///< ... and their number in the whole mesh
+  /// Per vertex of the part as it was cut: its number in the whole mesh; for a new one on the interface between blocks
+  /// a hashed id (refine_interface).
+  IdVector<VertId, GlobalId> id;
+  std::vector<VertId> common;  ///< the part's vertices that other blocks have, too (frozen)
   std::vector<VertId>
       frozen;  ///< the part's vertices that were frozen before the cut, ascending (shared with other ranks)
   std::vector<VertId> frozen_of;  ///< ... and their number in the whole mesh
@@ -38,6 +40,10 @@ struct Block {
 /// Cuts block b out of the mesh. Faces to other blocks have no neighbour; their vertices are frozen. Thread-safe.
 Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabels& label,
                 const IdVector<VertId, char>& between, int b);
+
+/// Refines the interface to other blocks where its edges are too long (refine_interface). False when that fails; the
+/// block is then of no use. Thread-safe.
+bool refine_block_interface(Block& block);
 
 /// What merge_blocks gives: the whole mesh again.
 struct Merged {

@@ -3,6 +3,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <exception>
 
 #include "adapt/blocks.hpp"
@@ -60,39 +61,46 @@ OperationCounts run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions
   return part.counts;
 }
 
+constexpr std::size_t to_index(int b) noexcept { return static_cast<std::size_t>(b); }
+
+/// Calls work(b) for every block in a thread of its own; the first exception (by block) is thrown again.
+template <class Work>
+void in_parallel(int threads, Work&& work) {
+  std::vector<std::exception_ptr> failed(to_index(threads));
+#pragma omp parallel for num_threads(threads) schedule(static, 1)
+  for (int b = 0; b < threads; ++b) {
+    try {
+      work(b);
+    } catch (...) {
+      failed[to_index(b)] = std::current_exception();
+    }
+  }
+  for (const auto& e : failed) {
+    if (e) std::rethrow_exception(e);
+  }
+}
+
 /// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the labels of the result.
 BlockLabels run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
                        LocalResult& result) {
   const auto between = between_blocks(mesh, label);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
-  std::vector<std::exception_ptr> failed(blocks.size());
-#pragma omp parallel for num_threads(o.threads) schedule(static, 1)
-  for (int b = 0; b < o.threads; ++b) {
-    const auto i = static_cast<std::size_t>(b);
-    try {
-      blocks[i] = cut_block(mesh, metric, label, between, b);
-    } catch (...) {
-      failed[i] = std::current_exception();
-    }
-  }
-  for (const auto& e : failed) {
-    if (e) std::rethrow_exception(e);
-  }
+  std::vector<char> refined(blocks.size(), 0);
+  in_parallel(o.threads, [&](int b) {
+    Block& block = blocks[to_index(b)];
+    block = cut_block(mesh, metric, label, between, b);
+    block.part.options = o.kernel;
+    block.part.spacing = o.spacing;
+    prepare(block.part);
+    refined[to_index(b)] = refine_block_interface(block) ? 1 : 0;
+  });
   const std::size_t old_verts = mesh.vert_slots();
+  if (std::find(refined.begin(), refined.end(), 0) != refined.end()) {  // all or none
+    in_parallel(o.threads, [&](int b) { blocks[to_index(b)] = cut_block(mesh, metric, label, between, b); });
+  }
   mesh = TetMesh{};
   metric = MetricField{};
-#pragma omp parallel for num_threads(o.threads) schedule(static, 1)
-  for (int b = 0; b < o.threads; ++b) {
-    const auto i = static_cast<std::size_t>(b);
-    try {
-      run(blocks[i].part, o);
-    } catch (...) {
-      failed[i] = std::current_exception();
-    }
-  }
-  for (const auto& e : failed) {
-    if (e) std::rethrow_exception(e);
-  }
+  in_parallel(o.threads, [&](int b) { run(blocks[to_index(b)].part, o); });
   for (const Block& b : blocks) result.counts += b.part.counts;
   Merged merged = merge_blocks(blocks, old_verts);
   for (auto& v : result.old2new) {

@@ -86,10 +86,24 @@ void Cavity::enter_outer_faces() {
       e.face = nb;
       e.tag = m.face_tag[t][s];
       e.open = false;
+      // A vertex may lose all its old tetrahedra without getting a new one; then it goes on with one outside.
+      if (nb != kNoFace) {
+        for (const VertId w : v) part_->mesh.vert2tet[w] = face_tet(nb);
+      }
     }
   }
   for (const Wall& w : walls_) {
     Entry& e = lookup(w.a, w.b, w.c);
+    if (e.stamp == table_stamp_ && e.face != kNoFace) {
+      // The wall comes to lie on an outer face: what is behind that becomes the tetrahedron at the wall.
+      const TetId t = face_tet(e.face);
+      const auto s = static_cast<std::size_t>(face_side(e.face));
+      part_->mesh.tet2face[t][s] = kNoFace;
+      part_->mesh.face_tag[t][s] = w.tag;
+      part_->dirty[t] = kAllPasses;
+      e.face = kNoFace;
+      continue;
+    }
     e.stamp = table_stamp_;
     e.face = kNoFace;
     e.tag = w.tag;

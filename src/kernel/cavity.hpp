@@ -28,7 +28,8 @@ class Cavity {
   /// Proposes a tetrahedron. False (and nothing proposed) when its quality is not above `floor_q3` or it is not
   /// positive (exact).
   bool propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3);
-  /// Declares a tagged face that the new tetrahedra form in place of old tagged ones.
+  /// Declares a tagged face that the new tetrahedra form in place of old tagged ones. A hull face may also be a face of
+  /// the cavity's border; then the tetrahedron behind that gets it.
   void wall(VertId a, VertId b, VertId c, FaceTag tag);
 
   [[nodiscard]] double new_min_q3() const noexcept { return new_min_; }
@@ -38,6 +39,8 @@ class Cavity {
   /// Replaces the old tetrahedra by the new ones: links them with each other, with the outside and with the walls. New
   /// ones are dirty for all passes. @pre the new tetrahedra fill the old ones' space.
   void commit();
+  /// The tetrahedra that the last commit made.
+  [[nodiscard]] const std::vector<TetId>& new_tets() const noexcept { return slots_; }
 
  private:
   struct Fresh {

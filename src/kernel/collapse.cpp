@@ -115,6 +115,20 @@ bool Collapser::lengths_allow(VertId u, double max_length) {
   return true;
 }
 
+bool Collapser::facets_can_move(VertId v, VertId u) const noexcept {
+  const TetMesh& m = part_->mesh;
+  for (const TetId t : cavity_->old_tets()) {
+    const auto& tv = m.tet2vert[t];
+    if (!has_vertex(tv, u)) continue;
+    // The tetrahedron vanishes, and its facet at v without u comes to lie on its face opposite v.
+    const auto at_u = static_cast<std::size_t>(local_index(tv, u)), at_v = static_cast<std::size_t>(local_index(tv, v));
+    const FaceTag facet = m.face_tag[t][at_u], onto = m.face_tag[t][at_v];
+    if (facet == 0) continue;
+    if (!is_hull(facet) || onto != 0 || m.tet2face[t][at_v] == kNoFace) return false;
+  }
+  return true;
+}
+
 bool Collapser::cone(VertId v, VertId u, double floor_q3) {
   const TetMesh& m = part_->mesh;
   cavity_->clear_new();
@@ -149,7 +163,10 @@ bool Collapser::collapse(VertId v, VertId u, double max_length, double floor_q3)
   cavity_->adopt_stamp();
   if (!lengths_allow(u, max_length)) return false;
   const bool surface = m.has(v, kSurface);
-  if (surface) collect_facets(v);
+  if (surface) {
+    if (!facets_can_move(v, u)) return false;
+    collect_facets(v);
+  }
   if (!cone(v, u, std::min(floor_q3, 0.5 * cavity_->old_min_q3()))) return false;
   if (surface) {
     if (!surface_allows(v, u)) return false;

@@ -25,6 +25,7 @@ class Collapser {
   [[nodiscard]] bool surface_allows(VertId v, VertId u);
   [[nodiscard]] bool ridge_allows(VertId v, VertId u);
   [[nodiscard]] bool lengths_allow(VertId u, double max_length);
+  [[nodiscard]] bool facets_can_move(VertId v, VertId u) const noexcept;
   bool cone(VertId v, VertId u, double floor_q3);
   void move_features(VertId v, VertId u);
 

@@ -121,7 +121,9 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
   Part& part = *part_;
   TetMesh& m = part.mesh;
   if (!gather_shell(m, t, a, b, shell_)) return InsertResult::kRefused;
-  if (shell_.on_interface) return InsertResult::kRefused;
+  // Where the surface is not a manifold, a fan between hull faces may have its other fans in another part.
+  const bool shared = !shell_.closed && m.has(a, kFrozen) && m.has(b, kFrozen);
+  if (shell_.on_interface || shared) return InsertResult::kRefused;
   std::uint8_t flags = 0;
   bool kept = false;
   for (int i = 0; i < shell_.ring_size(); ++i) {

@@ -1,0 +1,198 @@
+// Refinement of a part's interface by a rule that both sides follow without talking to each other.
+#include "kernel/interface.hpp"
+
+#include <algorithm>
+#include <queue>
+#include <unordered_map>
+
+#include "kernel/cavity.hpp"
+#include "kernel/shell.hpp"
+
+namespace skein {
+namespace {
+
+/// 62 bits from two ids; above all ids that are counted.
+GlobalId hashed_id(GlobalId a, GlobalId b) noexcept {
+  auto mix = [](std::uint64_t h) {
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111ebULL;
+    return h ^ (h >> 31);
+  };
+  const auto h =
+      mix(mix(static_cast<std::uint64_t>(num(a)) + 0x9e3779b97f4a7c15ULL) ^ static_cast<std::uint64_t>(num(b)));
+  return GlobalId{static_cast<std::int64_t>((h >> 2) | 1ULL << 61)};
+}
+
+/// What both sides compute must have the same bits, so it must not be inlined into different surroundings.
+[[gnu::noinline]] double shared_length(const Part& p, VertId a, VertId b) noexcept { return p.length(a, b); }
+[[gnu::noinline]] Vec3 shared_middle(Vec3 a, Vec3 b) noexcept {
+  return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), 0.5 * (a.z + b.z)};
+}
+[[gnu::noinline]] SymTensor shared_middle(const SymTensor& a, const SymTensor& b) noexcept { return 0.5 * (a + b); }
+
+class InterfaceRefiner {
+ public:
+  InterfaceRefiner(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep)
+      : part_(part), gid_(gid), cavity_(part), keep_(keep) {}
+
+  bool run() {
+    collect();
+    while (!queue_.empty()) {
+      const Entry e = queue_.top();
+      queue_.pop();
+      if (!split(e.a, e.b)) return false;
+    }
+    return true;
+  }
+
+ private:
+  struct Entry {
+    double length;
+    GlobalId ga, gb;  // ga < gb
+    VertId a, b;
+    bool operator<(const Entry& o) const noexcept {
+      if (length != o.length) return length < o.length;
+      return ga != o.ga ? ga > o.ga : gb > o.gb;
+    }
+  };
+  using Key = std::uint64_t;
+  static Key edge_key(VertId a, VertId b) noexcept {
+    if (b < a) std::swap(a, b);
+    return static_cast<Key>(static_cast<std::uint32_t>(num(a))) << 32 | static_cast<std::uint32_t>(num(b));
+  }
+  /// The vertex opposite edge (a, b) in an interface face, and a tetrahedron that has the face.
+  struct Third {
+    VertId c;
+    TetId tet;
+  };
+
+  void collect();
+  void enqueue(VertId a, VertId b);
+  void add_face(TetId t, int side);
+  void remove_face(TetId t, int side);
+  bool split(VertId a, VertId b);
+  bool split_fan(TetId t, VertId a, VertId b, VertId p);
+  [[nodiscard]] bool is_interface(TetId t, int side) const noexcept {
+    const auto s = static_cast<std::size_t>(side);
+    return part_.mesh.tet2face[t][s] == kNoFace && !is_hull(part_.mesh.face_tag[t][s]);
+  }
+
+  Part& part_;
+  IdVector<VertId, GlobalId>& gid_;
+  Cavity cavity_;
+  std::uint8_t keep_;
+  Shell shell_;
+  std::priority_queue<Entry> queue_;
+  std::unordered_map<Key, std::vector<Third>> thirds_;
+};
+
+void InterfaceRefiner::enqueue(VertId a, VertId b) {
+  if ((part_.mesh.vert_flags[a] & part_.mesh.vert_flags[b] & keep_) != 0) return;
+  if (gid_[b] < gid_[a]) std::swap(a, b);
+  const double l = shared_length(part_, a, b);
+  if (l > part_.options.split_above) queue_.push({l, gid_[a], gid_[b], a, b});
+}
+
+void InterfaceRefiner::add_face(TetId t, int side) {
+  const auto v = face_verts(part_.mesh, make_face(t, side));
+  for (std::size_t i = 0; i < 3; ++i) thirds_[edge_key(v[i], v[(i + 1) % 3])].push_back({v[(i + 2) % 3], t});
+}
+
+void InterfaceRefiner::remove_face(TetId t, int side) {
+  const auto v = face_verts(part_.mesh, make_face(t, side));
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto& list = thirds_[edge_key(v[i], v[(i + 1) % 3])];
+    std::erase_if(list, [&](const Third& d) { return d.c == v[(i + 2) % 3] && d.tet == t; });
+  }
+}
+
+void InterfaceRefiner::collect() {
+  const TetMesh& m = part_.mesh;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (int f = 0; f < 4; ++f) {
+      if (!is_interface(t, f)) continue;
+      add_face(t, f);
+      const auto v = face_verts(m, make_face(t, f));
+      for (std::size_t i = 0; i < 3; ++i) {
+        // Each edge once: when its first face comes.
+        if (thirds_[edge_key(v[i], v[(i + 1) % 3])].size() == 1) enqueue(v[i], v[(i + 1) % 3]);
+      }
+    }
+  }
+}
+
+bool InterfaceRefiner::split_fan(TetId t, VertId a, VertId b, VertId p) {
+  TetMesh& m = part_.mesh;
+  if (!gather_shell(m, t, a, b, shell_)) return false;
+  cavity_.clear();
+  for (int i = 0; i < shell_.n; ++i) cavity_.add(shell_.tet[static_cast<std::size_t>(i)]);
+  for (const TetId o : cavity_.old_tets()) {
+    const auto tv = m.tet2vert[o];
+    for (const VertId end : {a, b}) {  // the half that keeps `end`: p in place of the other one
+      auto half = tv;
+      half[static_cast<std::size_t>(local_index(tv, end == a ? b : a))] = p;
+      if (!cavity_.propose(half[0], half[1], half[2], half[3], m.tet_ref[o], 0)) return false;
+    }
+    for (int f = 0; f < 4; ++f) {
+      if (is_interface(o, f)) remove_face(o, f);
+    }
+  }
+  for (int i = 0; i < shell_.ring_size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (shell_.tag[k] == 0) continue;
+    cavity_.wall(a, p, shell_.ring[k], shell_.tag[k]);
+    cavity_.wall(p, b, shell_.ring[k], shell_.tag[k]);
+    m.vert_flags[p] |= kSurface;
+  }
+  cavity_.commit();
+  for (const TetId n : cavity_.new_tets()) {
+    for (int f = 0; f < 4; ++f) {
+      if (is_interface(n, f)) add_face(n, f);
+    }
+  }
+  return true;
+}
+
+bool InterfaceRefiner::split(VertId a, VertId b) {
+  TetMesh& m = part_.mesh;
+  const auto at = thirds_.find(edge_key(a, b));
+  if (at == thirds_.end() || at->second.empty()) return true;
+  const auto ends = at->second;
+  const VertId p = new_vertex(part_, shared_middle(m.coords[a], m.coords[b]),
+                              shared_middle(part_.metric.log_at[a], part_.metric.log_at[b]), kFrozen);
+  gid_.resize(m.vert_slots(), kNoGlobal);
+  gid_[p] = hashed_id(gid_[a], gid_[b]);
+  // Several fans of this part may meet at the edge, with other parts between them.
+  while (true) {
+    const auto left = thirds_.find(edge_key(a, b));
+    if (left == thirds_.end() || left->second.empty()) break;
+    if (!split_fan(left->second.front().tet, a, b, p)) return false;
+  }
+  if (m.has(a, kRidge) && m.has(b, kRidge)) {
+    if (const FeatureEdge* f = m.features.find(a, b)) {
+      const FeatureEdge e = *f;
+      m.features.erase(a, b);
+      m.features.insert(a, p, e.ref, e.ridge);
+      m.features.insert(p, b, e.ref, e.ridge);
+      m.vert_flags[p] |= kRidge;
+    }
+  }
+  ++part_.counts.insert;
+  enqueue(a, p);
+  enqueue(p, b);
+  std::vector<VertId> seen;
+  for (const Third& d : ends) {
+    if (std::find(seen.begin(), seen.end(), d.c) != seen.end()) continue;
+    seen.push_back(d.c);
+    enqueue(p, d.c);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool refine_interface(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep) {
+  return InterfaceRefiner(part, gid, keep).run();
+}
+
+}  // namespace skein
