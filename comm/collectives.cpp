@@ -39,6 +39,17 @@ void count_bytes(const Comm& comm, std::size_t bytes) noexcept {
   if (comm.size() > 1) comm.impl().bytes_sent += static_cast<std::int64_t>(bytes);
 }
 
+/// One collective call; as long as it lives, CPU time counts as communication.
+class Collective {
+ public:
+  explicit Collective(const Comm& comm) noexcept : meter_(comm) {
+    if (comm.size() > 1) ++comm.impl().collective_calls;
+  }
+
+ private:
+  CpuMeter meter_;
+};
+
 /// low = low op high, element by element.
 void fold(double* low, const double* high, std::size_t n, Op op) noexcept {
   for (std::size_t i = 0; i < n; ++i) {
@@ -87,6 +98,7 @@ std::vector<std::size_t> block_offsets(std::span<const std::int64_t> bytes) {
 
 void reduce(const Comm& comm, void* values, std::size_t n, Number type, Op op) {
   if (comm.size() == 1) return;
+  const Collective call(comm);
   constexpr std::size_t kMost = std::size_t{1} << 20;  // numbers at a time
   const std::size_t item = type == Number::kInt32 ? 4 : 8;
   count_bytes(comm, n * item);
@@ -102,12 +114,14 @@ void reduce(const Comm& comm, void* values, std::size_t n, Number type, Op op) {
 }
 
 void all_gather_fixed(const Comm& comm, const void* in, std::size_t bytes, void* out) {
+  const Collective call(comm);
   count_bytes(comm, bytes);
   const auto n = static_cast<int>(bytes);
   MPI_Allgather(in, n, MPI_BYTE, out, n, MPI_BYTE, comm.impl().mpi);
 }
 
 void all_gather_blocks(const Comm& comm, const void* in, std::span<const std::int64_t> bytes, void* out) {
+  const Collective call(comm);
   const auto offset = block_offsets(bytes);
   auto* to = static_cast<std::byte*>(out);
   const std::size_t self = idx(comm.rank());
@@ -126,11 +140,13 @@ void all_gather_blocks(const Comm& comm, const void* in, std::span<const std::in
 }
 
 void gather_blocks(const Comm& comm, const void* in, std::span<const std::int64_t> bytes, void* out) {
+  const CpuMeter meter(comm);
   const auto& impl = comm.impl();
   const auto mine = static_cast<std::size_t>(bytes[idx(comm.rank())]);
   if (impl.rank != 0) {
     count_bytes(comm, mine);
     for_chunks(mine, [&](std::size_t at, int n) {
+      ++impl.messages_sent;
       MPI_Send(static_cast<const std::byte*>(in) + at, n, MPI_BYTE, 0, kTagGather, impl.mpi);
     });
     return;
@@ -147,6 +163,7 @@ void gather_blocks(const Comm& comm, const void* in, std::span<const std::int64_
 }
 
 void broadcast_bytes(const Comm& comm, void* data, std::size_t bytes, Rank root) {
+  const Collective call(comm);
   if (comm.rank() == root) count_bytes(comm, bytes);
   for_chunks(bytes, [&](std::size_t at, int n) {
     MPI_Bcast(static_cast<std::byte*>(data) + at, n, MPI_BYTE, num(root), comm.impl().mpi);
@@ -162,6 +179,9 @@ std::string Comm::broadcast(const std::string& s) const {
   return out;
 }
 
-void Comm::barrier() const { MPI_Barrier(impl_->mpi); }
+void Comm::barrier() const {
+  const detail::Collective call(*this);
+  MPI_Barrier(impl_->mpi);
+}
 
 }  // namespace skein

@@ -64,6 +64,9 @@ Comm& Comm::operator=(Comm&& other) noexcept {
 Rank Comm::rank() const noexcept { return Rank{impl_->rank}; }
 int Comm::size() const noexcept { return impl_->size; }
 std::int64_t Comm::bytes_sent() const noexcept { return impl_->bytes_sent; }
+std::int64_t Comm::messages_sent() const noexcept { return impl_->messages_sent; }
+std::int64_t Comm::collective_calls() const noexcept { return impl_->collective_calls; }
+double Comm::communication_cpu() const noexcept { return impl_->communication_cpu; }
 
 double wall_time() noexcept {
   using Clock = std::chrono::steady_clock;

@@ -92,6 +92,12 @@ class Comm {
   /// Bytes that this rank has sent to others through this object so far: exchanges as they are, of a collective what
   /// this rank puts in, once.
   [[nodiscard]] std::int64_t bytes_sent() const noexcept;
+  /// Messages to single ranks that this rank has sent through this object so far; collectives are not among them.
+  [[nodiscard]] std::int64_t messages_sent() const noexcept;
+  /// Collective calls through this object so far. Each costs about log2(ranks) messages one after the other.
+  [[nodiscard]] std::int64_t collective_calls() const noexcept;
+  /// CPU seconds that this process has used inside the calls of this object: copying, and waiting for others.
+  [[nodiscard]] double communication_cpu() const noexcept;
 
   struct Impl;
   [[nodiscard]] Impl& impl() const noexcept { return *impl_; }

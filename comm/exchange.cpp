@@ -35,6 +35,7 @@ bool take_announcement(const Comm::Impl& impl, int tag, std::vector<Announced>& 
 // A rank may be one announcement ahead of another, never two, so two tags in turn keep them apart.
 std::vector<Announced> announce(const Comm& comm, std::span<const SendBlock> send) {
   const auto& impl = comm.impl();
+  const CpuMeter meter(comm);
   const int tag = kTagAnnounce + static_cast<int>(impl.announcements++ % 2);
   std::vector<Announced> got;
   std::vector<std::uint64_t> bytes;
@@ -51,7 +52,9 @@ std::vector<Announced> announce(const Comm& comm, std::span<const SendBlock> sen
     MPI_Issend(&bytes.back(), sizeof(std::uint64_t), MPI_BYTE, num(s.rank), tag, impl.mpi, sends.add());
   }
   impl.bytes_sent += static_cast<std::int64_t>(bytes.size() * sizeof(std::uint64_t));
+  impl.messages_sent += static_cast<std::int64_t>(bytes.size());
   if (impl.size == 1) return got;
+  ++impl.collective_calls;  // the barrier
   MPI_Request barrier = MPI_REQUEST_NULL;
   bool in_barrier = false;
   for (int done = 0;;) {
@@ -74,6 +77,7 @@ std::vector<Announced> announce(const Comm& comm, std::span<const SendBlock> sen
 
 void deliver(const Comm& comm, std::span<const SendBlock> send, std::span<const RecvBlock> recv) {
   const auto& impl = comm.impl();
+  const CpuMeter meter(comm);
   const void* own = nullptr;
   Requests requests;
   for (const auto& r : recv) {
@@ -89,6 +93,7 @@ void deliver(const Comm& comm, std::span<const SendBlock> send, std::span<const 
     }
     impl.bytes_sent += static_cast<std::int64_t>(s.bytes);
     for_chunks(s.bytes, [&](std::size_t at, int n) {
+      ++impl.messages_sent;
       MPI_Isend(static_cast<const std::byte*>(s.data) + at, n, MPI_BYTE, num(s.rank), kTagBlock, impl.mpi,
                 requests.add());
     });

@@ -11,6 +11,9 @@ struct Comm::Impl {
   int rank = 0;
   int size = 1;
   mutable std::int64_t bytes_sent = 0;
+  mutable std::int64_t messages_sent = 0;
+  mutable std::int64_t collective_calls = 0;
+  mutable double communication_cpu = 0;
   mutable unsigned announcements = 0;  ///< so that two of them in a row use different tags
 };
 
@@ -20,6 +23,19 @@ namespace detail {
 inline constexpr std::size_t kChunk = std::size_t{1} << 30;
 
 enum Tag : int { kTagReduce = 1, kTagGather = 2, kTagBlock = 3, kTagAnnounce = 4 /* and 5 */ };
+
+/// While it lives, CPU time counts as communication: MPI waits by asking again and again, which would look like work.
+class CpuMeter {
+ public:
+  explicit CpuMeter(const Comm& comm) noexcept : impl_(comm.impl()), begin_(cpu_time()) {}
+  ~CpuMeter() { impl_.communication_cpu += cpu_time() - begin_; }
+  CpuMeter(const CpuMeter&) = delete;
+  CpuMeter& operator=(const CpuMeter&) = delete;
+
+ private:
+  const Comm::Impl& impl_;
+  double begin_;
+};
 
 /// Calls send(first byte, bytes as int) for each chunk.
 template <class F>

@@ -13,10 +13,16 @@ Json to_json(const PhaseCost& p) {
   return Json{{"name", p.name},
               {"seconds", {{"min", p.seconds_min}, {"mean", p.seconds_mean}, {"max", p.seconds_max}}},
               {"busy", {{"min", p.busy_min}, {"mean", p.busy_mean}, {"max", p.busy_max}}},
+              {"cpu", {{"min", p.cpu_min}, {"mean", p.cpu_mean}, {"max", p.cpu_max}}},
+              {"communication_cpu", {{"min", p.comm_cpu_min}, {"mean", p.comm_cpu_mean}, {"max", p.comm_cpu_max}}},
               {"balance", p.balance},
               {"elements", p.elements},
               {"operations", operations},
-              {"bytes_sent", p.bytes_sent}};
+              {"bytes_sent", p.bytes_sent},
+              {"bytes_sent_max", p.bytes_sent_max},
+              {"messages_sent", p.messages_sent},
+              {"messages_sent_max", p.messages_sent_max},
+              {"collectives", p.collectives}};
 }
 
 void write_json(const Comm& comm, const std::string& path, const Json& json) {

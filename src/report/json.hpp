@@ -11,7 +11,7 @@ namespace skein {
 /// Keys stay in the order in which they were put.
 using Json = nlohmann::ordered_json;
 
-/// {name, seconds {min, mean, max}, busy {min, mean, max}, balance, elements, operations {...}, bytes_sent}
+/// The names are those of docs/report.md.
 Json to_json(const PhaseCost& phase);
 
 /// Collective. Rank 0 writes the object under a temporary name beside `path`, then renames it. `json` counts on rank 0

@@ -47,6 +47,10 @@ void PhaseLog::start(const std::string& name) {
   busy_ = -1;
   counts_.clear();
   bytes_ = comm_->bytes_sent();
+  messages_ = comm_->messages_sent();
+  collectives_ = comm_->collective_calls();
+  comm_cpu_ = comm_->communication_cpu();
+  cpu_ = cpu_time();
   start_ = wall_time();
   if (output_ == Output::kTerminal && comm_->is_root()) {
     fmt::print("[{:8.1f} s]  {:<18} ...", elapsed(), name);
@@ -61,7 +65,12 @@ void PhaseLog::busy(double seconds) { busy_ = std::max(busy_, 0.0) + seconds; }
 void PhaseLog::finish(std::int64_t local_tets) {
   const double seconds = wall_time() - start_;
   const double busy = busy_ < 0 ? seconds : busy_;
-  const std::int64_t bytes = comm_->bytes_sent() - bytes_;  // before the log's own messages
+  // all of these before the log's own messages
+  const double comm_cpu = comm_->communication_cpu() - comm_cpu_;
+  const double cpu = std::max(0.0, cpu_time() - cpu_ - comm_cpu);
+  const std::int64_t bytes = comm_->bytes_sent() - bytes_;
+  const std::int64_t messages = comm_->messages_sent() - messages_;
+  const std::int64_t collectives = comm_->collective_calls() - collectives_;
 
   PhaseCost cost;
   cost.name = name_;
@@ -69,8 +78,13 @@ void PhaseLog::finish(std::int64_t local_tets) {
   cost.seconds_min = wall.min, cost.seconds_mean = wall.mean, cost.seconds_max = wall.max;
   cost.busy_min = work.min, cost.busy_mean = work.mean, cost.busy_max = work.max;
   cost.balance = work.max > 0 ? 100 * work.mean / work.max : 100;
+  const Spread used = spread(*comm_, cpu), waited = spread(*comm_, comm_cpu);
+  cost.cpu_min = used.min, cost.cpu_mean = used.mean, cost.cpu_max = used.max;
+  cost.comm_cpu_min = waited.min, cost.comm_cpu_mean = waited.mean, cost.comm_cpu_max = waited.max;
   cost.elements = comm_->sum(local_tets);
-  cost.bytes_sent = comm_->sum(bytes);
+  cost.bytes_sent = comm_->sum(bytes), cost.bytes_sent_max = comm_->max(bytes);
+  cost.messages_sent = comm_->sum(messages), cost.messages_sent_max = comm_->max(messages);
+  cost.collectives = comm_->max(collectives);
   const std::vector<std::string> names = union_of_names(*comm_, counts_);
   std::vector<std::int64_t> numbers;
   for (const std::string& name : names) {

@@ -15,9 +15,15 @@ struct PhaseCost {
   double seconds_min = 0, seconds_mean = 0, seconds_max = 0;  ///< wall time between start and finish on each rank
   double busy_min = 0, busy_mean = 0, busy_max = 0;           ///< of this, useful local work (see PhaseLog::busy)
   double balance = 100;                                       ///< 100 * mean / max of busy, per cent
-  std::int64_t elements = 0;                                  ///< tetrahedra over all ranks when it ended
-  std::int64_t bytes_sent = 0;                                ///< over all ranks
-  std::map<std::string, std::int64_t> operations;             ///< over all ranks, e.g. "insert": 1234
+  /// CPU seconds of each rank outside communication (where it waits, too). On shared cores they tell what the ranks
+  /// did; wall times do not.
+  double cpu_min = 0, cpu_mean = 0, cpu_max = 0;
+  double comm_cpu_min = 0, comm_cpu_mean = 0, comm_cpu_max = 0;  ///< CPU seconds inside communication
+  std::int64_t elements = 0;                                     ///< tetrahedra over all ranks when it ended
+  std::int64_t bytes_sent = 0, bytes_sent_max = 0;               ///< over all ranks; of the rank with most
+  std::int64_t messages_sent = 0, messages_sent_max = 0;         ///< to single ranks; the same
+  std::int64_t collectives = 0;                                  ///< collective calls, the same on every rank
+  std::map<std::string, std::int64_t> operations;                ///< over all ranks, e.g. "insert": 1234
 };
 
 class PhaseLog {
@@ -45,7 +51,8 @@ class PhaseLog {
   const Comm* comm_;
   Output output_;
   double begin_ = 0, start_ = 0, busy_ = -1;
-  std::int64_t bytes_ = 0;
+  double cpu_ = 0, comm_cpu_ = 0;  // these and the next when the phase started
+  std::int64_t bytes_ = 0, messages_ = 0, collectives_ = 0;
   std::string name_;
   std::map<std::string, std::int64_t> counts_;
   std::vector<PhaseCost> phases_;

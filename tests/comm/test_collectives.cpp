@@ -94,6 +94,18 @@ TEST(Collectives, self_is_alone) {
   EXPECT_TRUE(self.is_root());
   EXPECT_EQ(self.sum(3.5), 3.5);
   EXPECT_EQ(self.bytes_sent(), 0);
+  EXPECT_EQ(self.messages_sent(), 0);
+  EXPECT_EQ(self.collective_calls(), 0);
+}
+
+TEST(Collectives, count_their_calls_and_cpu_time) {
+  const Comm comm = Comm::world();
+  comm.barrier();
+  static_cast<void>(comm.sum(1.0));
+  EXPECT_EQ(comm.collective_calls(), comm.size() == 1 ? 0 : 2);
+  EXPECT_EQ(comm.messages_sent(), 0);
+  EXPECT_GT(comm.communication_cpu(), 0);
+  EXPECT_LE(comm.communication_cpu(), cpu_time());
 }
 
 TEST(Collectives, a_moved_comm_stays_usable) {

@@ -73,7 +73,7 @@ TEST(Exchange, many_in_a_row_do_not_mix) {
 }
 
 TEST(Exchange, counts_the_bytes_sent_to_others) {
-  const auto before = world().bytes_sent();
+  const auto before = world().bytes_sent(), messages = world().messages_sent();
   Packets<double> send;
   for (int r = 0; r < world().size(); ++r) {
     send.rank.push_back(Rank{r});
@@ -84,6 +84,7 @@ TEST(Exchange, counts_the_bytes_sent_to_others) {
   const auto sent = world().bytes_sent() - before;
   EXPECT_GE(sent, 8000 * (world().size() - 1));
   EXPECT_LE(sent, 8100 * (world().size() - 1));
+  EXPECT_EQ(world().messages_sent() - messages, 2 * (world().size() - 1));  // announcement and block
 }
 
 TEST(Exchange, empty_blocks_are_left_out) {

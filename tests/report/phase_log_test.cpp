@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "comm/exchange.hpp"
 #include "report/json.hpp"
 #include "report/text.hpp"
 #include "tests/support/world.hpp"
@@ -41,6 +42,55 @@ TEST(PhaseLog, AddsUpOverRanks) {
   EXPECT_LE(p.seconds_mean, p.seconds_max);
   EXPECT_TRUE(log.phases()[1].operations.empty());
   EXPECT_EQ(to_json(p)["operations"]["only the last"], 3);
+}
+
+/// Uses this many CPU seconds.
+void compute(double seconds) {
+  const double end = cpu_time() + seconds;
+  while (cpu_time() < end) {
+  }
+}
+
+TEST(PhaseLog, TellsWorkFromWaiting) {
+  const Comm& comm = test::world();
+  const auto ranks = static_cast<std::int64_t>(comm.size());
+  PhaseLog log(comm, PhaseLog::Output::kQuiet);
+  log.start("rank 0 works, the others wait");
+  if (comm.is_root()) compute(0.2);
+  comm.barrier();
+  log.finish(0);
+  const PhaseCost& p = log.phases()[0];
+  EXPECT_GE(p.cpu_max, 0.2);
+  EXPECT_LE(p.cpu_max, p.seconds_max + 0.01);
+  if (ranks > 1) {
+    EXPECT_LT(p.cpu_min, 0.1);
+  }
+  EXPECT_LE(p.comm_cpu_min, p.comm_cpu_mean);
+  EXPECT_LE(p.comm_cpu_mean, p.comm_cpu_max);
+  EXPECT_EQ(p.collectives, ranks == 1 ? 0 : 1);
+  EXPECT_EQ(p.messages_sent, 0);
+  EXPECT_EQ(to_json(p)["cpu"]["max"], p.cpu_max);
+}
+
+TEST(PhaseLog, CountsMessages) {
+  const Comm& comm = test::world();
+  const int ranks = comm.size(), self = num(comm.rank());
+  PhaseLog log(comm, PhaseLog::Output::kQuiet);
+  log.start("all to rank 0");
+  Packets<double> send;
+  if (self != 0) {
+    send.rank.push_back(Rank{0});
+    send.items.assign(static_cast<std::size_t>(100 * self), 1.0);
+    send.offset.push_back(send.items.size());
+  }
+  static_cast<void>(exchange(comm, send));
+  log.finish(0);
+  const PhaseCost& p = log.phases()[0];
+  EXPECT_EQ(p.messages_sent, 2 * (ranks - 1));
+  EXPECT_EQ(p.messages_sent_max, ranks > 1 ? 2 : 0);
+  EXPECT_GE(p.bytes_sent, 400 * ranks * (ranks - 1));
+  EXPECT_GE(p.bytes_sent_max, 800 * (ranks - 1));
+  EXPECT_LE(p.bytes_sent_max, p.bytes_sent);
 }
 
 TEST(PhaseLog, PrintsOneLineForAPhase) {
