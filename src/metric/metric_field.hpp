@@ -6,6 +6,12 @@
 
 namespace skein {
 
+/// exp(log_m) with sqrt(det) = exp(trace/2): exact for any anisotropy, where the determinant of a tensor turned against
+/// the axes loses all digits from about 10^4 on.
+inline VertMetric vert_metric_from_log(const SymTensor& log_m) noexcept {
+  return {exp(log_m), std::exp(0.5 * (log_m.xx + log_m.yy + log_m.zz))};
+}
+
 /// The metric at every vertex, twice: as it measures (with determinant) and as it is interpolated (log-Euclidean).
 struct MetricField {
   IdVector<VertId, VertMetric> at;
@@ -15,11 +21,11 @@ struct MetricField {
   /// Appends a vertex whose metric has this logarithm.
   void push_back_log(const SymTensor& log_m) {
     log_at.push_back(log_m);
-    at.push_back(vert_metric(exp(log_m)));
+    at.push_back(vert_metric_from_log(log_m));
   }
   void set_log(VertId v, const SymTensor& log_m) {
     log_at[v] = log_m;
-    at[v] = vert_metric(exp(log_m));
+    at[v] = vert_metric_from_log(log_m);
   }
 };
 
