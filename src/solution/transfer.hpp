@@ -1,0 +1,52 @@
+// Transfer: the fields of the old mesh at points of the new one, over all ranks.
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "comm/comm.hpp"
+#include "partition/dist_mesh.hpp"
+#include "solution/transfer_locator.hpp"
+
+namespace skein {
+
+/// What a transfer met, over all ranks.
+struct TransferReport {
+  std::int64_t points = 0;   ///< asked for
+  std::int64_t remote = 0;   ///< of these: answered by another rank
+  std::int64_t outside = 0;  ///< of these: not in the old mesh, so taken from its nearest point
+  double farthest = 0;       ///< largest distance of those to the old mesh; length
+};
+
+/// A mesh with fields at its vertices, kept as it was: each rank keeps its part (coordinates, tetrahedra, fields), and
+/// all ranks know a few boxes round each part.
+class Background {
+ public:
+  /// Collective. Copies what it needs of `dist`; `fields` are its fields, equal on all copies of a vertex. `comm` must
+  /// outlive it. Fast when tetrahedra are in Hilbert order, as distribute() makes it. Throws Error(kInternal) on all
+  /// ranks when the fields do not fit the mesh, or there is no tetrahedron. @pre dist is compact and reconciled.
+  Background(const Comm& comm, const DistMesh& dist, VertexData fields);
+
+  /// Collective. The fields at these points (any number, none is fine): linear in the tetrahedron that holds the point,
+  /// on whichever rank; outside of the mesh those of its nearest point (if there are several, of one of them).
+  /// Exact to rounding for linear fields, exact for constant ones and at old vertices. All components alike, those of
+  /// tensors, too.
+  [[nodiscard]] VertexData at(std::span<const Vec3> points, int threads = 1, TransferReport* report = nullptr) const;
+
+  /// Collective. at() the vertices of `dist`, the same bits on all copies.
+  [[nodiscard]] VertexData at_vertices(const DistMesh& dist, int threads = 1, TransferReport* report = nullptr) const;
+
+ private:
+  struct Asking;
+  void ask_ranks_inside(Asking& a) const;
+  void ask_nearest(Asking& a) const;
+  void ask(Asking& a, const std::vector<Rank>& dest, const std::vector<std::uint32_t>& who, bool inside) const;
+  void evaluate(const Place& place, double* out) const noexcept;
+
+  const Comm* comm_;
+  TetLocator locator_;
+  VertexData fields_;
+  BoxTree boxes_;               ///< of all ranks
+  std::vector<Rank> box2rank_;  ///< ascending
+};
+
+}  // namespace skein
