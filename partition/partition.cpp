@@ -7,6 +7,7 @@
 
 #include "partition/hilbert.hpp"
 #include "partition/interface_faces.hpp"
+#include "partition/multilevel.hpp"
 
 namespace skein {
 
@@ -15,6 +16,8 @@ IdVector<TetId, Rank> partition(const Comm& comm, const DistMesh& dist, std::spa
   switch (method) {
     case PartitionMethod::kHilbert:
       return hilbert_partition(comm, dist, tet_work, parts);
+    case PartitionMethod::kMultilevel:
+      return multilevel_partition(comm, dist, tet_work, parts);
   }
   return {};
 }

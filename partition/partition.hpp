@@ -10,7 +10,7 @@
 
 namespace skein {
 
-enum class PartitionMethod { kHilbert };
+enum class PartitionMethod { kHilbert, kMultilevel };
 
 /// Collective. The part, in [0, parts), of each local tetrahedron, so that all parts have nearly equal work.
 /// @pre tet_work: one number >= 0 per local tetrahedron.

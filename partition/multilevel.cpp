@@ -1,0 +1,252 @@
+// The levels of the multilevel partition, inside a rank and over all ranks.
+#include "partition/multilevel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "partition/graph.hpp"
+#include "partition/graph_pieces.hpp"
+#include "partition/multilevel_bisect.hpp"
+#include "partition/multilevel_refine.hpp"
+#include "partition/rendezvous.hpp"
+
+namespace skein {
+namespace {
+
+using Parts = IdVector<NodeId, Rank>;
+
+/// Nodes of the graph that is cut by bisection, all ranks together.
+std::size_t coarse_nodes(int parts) { return std::max<std::size_t>(30000, 30 * static_cast<std::size_t>(parts)); }
+
+/// No coarse node may be heavier than this.
+std::int64_t heaviest_node(std::int64_t total, int parts) {
+  return 3 * (total / static_cast<std::int64_t>(2 * coarse_nodes(parts))) + 1;
+}
+
+struct Level {
+  DistGraph dist;
+  IdVector<NodeId, NodeId> node2coarse;  ///< of own nodes and ghosts; empty on the coarsest level
+};
+
+void refine_all(Refiner& r, std::size_t nodes) {
+  r.balance();
+  const std::size_t patience = std::max<std::size_t>(200, nodes / 200);
+  for (int i = 0; i < 3 && r.global_pass(patience) > 0; ++i) {
+  }
+  const int locals = nodes < 200000 ? 2 : 1;
+  for (int i = 0; i < locals && r.local_pass(4, 25) > 0; ++i) {
+  }
+}
+
+/// All levels of a graph without ghosts, and back.
+Parts cut_graph(const Graph& g, int parts, std::int64_t total, std::int64_t capacity, std::uint64_t seed) {
+  Parts part;
+  Matching m;
+  if (g.nodes() > coarse_nodes(parts)) m = match_heavy_edges(g, heaviest_node(total, parts));
+  if (m.sets > 0 && m.sets * 20 < g.nodes() * 19) {
+    const Parts coarse = cut_graph(contract(g, m.node2set, m.sets, 0), parts, total, capacity, seed);
+    part.resize(g.nodes());
+    for (const NodeId v : IdRange<NodeId>(g.nodes())) part[v] = coarse[m.node2set[v]];
+  } else {
+    part = bisect_recursively(g, parts, capacity, seed);
+  }
+  std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) weight[idx(part[v])] += g.weight[v];
+  const std::vector<std::int64_t> capacities(weight.size(), capacity);
+  Refiner refiner(g, part, weight, capacities);
+  refine_all(refiner, g.nodes());
+  return part;
+}
+
+/// Collective. The next coarser level; false, and `fine` as it was, when no rank gets much smaller.
+bool coarsen(const Comm& comm, Level& fine, std::size_t target, std::int64_t max_weight, DistGraph& coarse) {
+  const Graph& g = fine.dist.graph;
+  Matching m;
+  if (g.nodes() > target) {
+    m = match_heavy_edges(g, max_weight);
+  } else {
+    m.sets = g.nodes();
+    m.node2set.resize(m.sets);
+    for (const NodeId v : IdRange<NodeId>(m.sets)) m.node2set[v] = v;
+  }
+  const std::int32_t smaller = m.sets * 20 < g.nodes() * 19 ? 1 : 0;
+  if (comm.max(smaller) == 0) return false;
+
+  const auto sets = fine.dist.ghosts.fetch(comm, [&](NodeId v) { return m.node2set[v]; });
+  const std::vector<RemoteNode>& remote = fine.dist.ghosts.remote;
+  std::vector<RemoteNode> behind(remote.size());
+  for (std::size_t i = 0; i < remote.size(); ++i) behind[i] = {remote[i].rank, sets[i]};
+  std::vector<std::pair<NodeId, RemoteNode>> links;
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) {
+    for (const Edge& e : g.edges(v)) {
+      if (idx(e.to) >= g.nodes()) links.emplace_back(m.node2set[v], behind[idx(e.to) - g.nodes()]);
+    }
+  }
+  coarse.ghosts = make_ghosts(links);
+  const auto& ghosts = coarse.ghosts.remote;
+  fine.node2coarse = std::move(m.node2set);
+  for (const RemoteNode& r : behind) {
+    const auto at = std::lower_bound(ghosts.begin(), ghosts.end(), r) - ghosts.begin();
+    fine.node2coarse.push_back(to_id<NodeId>(m.sets + static_cast<std::size_t>(at)));
+  }
+  coarse.graph = contract(g, fine.node2coarse, m.sets, ghosts.size());
+  return true;
+}
+
+/// Collective. All ranks' nodes as one graph, the same on every rank, by rank.
+Graph gather_graph(const Comm& comm, const DistGraph& d, std::size_t& first) {
+  const Graph& g = d.graph;
+  const auto counts = comm.all_gather(static_cast<std::int64_t>(g.nodes()));
+  std::vector<std::int64_t> start(counts.size() + 1, 0);
+  std::partial_sum(counts.begin(), counts.end(), start.begin() + 1);
+  first = static_cast<std::size_t>(start[idx(comm.rank())]);
+  std::vector<std::uint32_t> degree(g.nodes());
+  std::vector<Edge> edge(g.edge);
+  for (std::size_t v = 0; v < degree.size(); ++v) degree[v] = g.first[v + 1] - g.first[v];
+  for (Edge& e : edge) {
+    if (idx(e.to) < g.nodes()) {
+      e.to = to_id<NodeId>(first + idx(e.to));
+    } else {
+      const RemoteNode& r = d.ghosts.remote[idx(e.to) - g.nodes()];
+      e.to = to_id<NodeId>(static_cast<std::size_t>(start[idx(r.rank)]) + idx(r.node));
+    }
+  }
+  Graph all;
+  all.weight = IdVector<NodeId, std::int64_t>(comm.all_gather(g.weight.raw()));
+  all.edge = comm.all_gather(edge);
+  const auto degrees = comm.all_gather(degree);
+  all.first.resize(degrees.size() + 1, 0);
+  std::partial_sum(degrees.begin(), degrees.end(), all.first.begin() + 1);
+  return all;
+}
+
+/// Collective. The parts of the coarsest level: every rank cuts the whole of it, the best cut wins.
+Parts cut_coarsest(const Comm& comm, const DistGraph& d, int parts, std::int64_t total, std::int64_t capacity) {
+  std::size_t first = 0;
+  const Graph all = gather_graph(comm, d, first);
+  Parts part = cut_graph(all, parts, total, capacity, static_cast<std::uint64_t>(num(comm.rank())));
+  struct Cost {
+    std::int64_t surplus, cut;
+    auto operator<=>(const Cost&) const = default;
+  };
+  std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
+  for (const NodeId v : IdRange<NodeId>(all.nodes())) weight[idx(part[v])] += all.weight[v];
+  Cost mine{0, cut_rows(all, part)};
+  for (const auto w : weight) mine.surplus += std::max<std::int64_t>(0, w - capacity);
+  const auto costs = comm.all_gather(mine);
+  const auto winner = to_id<Rank>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+  // The winner sends each rank its own nodes' parts.
+  Packets<Rank> send;
+  const auto ends = comm.all_gather(static_cast<std::int64_t>(first + d.graph.nodes()));
+  if (comm.rank() == winner) {
+    std::size_t begin = 0;
+    for (std::size_t r = 0; r < ends.size(); ++r) {
+      const auto end = static_cast<std::size_t>(ends[r]);
+      if (end > begin) {
+        send.rank.push_back(to_id<Rank>(r));
+        send.offset.push_back(end);
+      }
+      begin = end;
+    }
+    send.items = part.raw();
+  }
+  return Parts(exchange(comm, send).items);
+}
+
+/// Which own nodes stay in this turn: those that touch a rank with the higher priority. So two nodes that touch
+/// across ranks never move at the same time, and each gain is what it seems.
+IdVector<NodeId, char> fixed_in_turn(const Comm& comm, const DistGraph& d, int turn) {
+  const auto priority = [&](Rank r) {
+    return mix(static_cast<std::uint64_t>(num(r)) * 64 + static_cast<std::uint64_t>(turn / 2));
+  };
+  const bool up = turn % 2 == 0;
+  const std::uint64_t mine = priority(comm.rank());
+  const Graph& g = d.graph;
+  IdVector<NodeId, char> fixed(g.nodes(), 0);
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) {
+    for (const Edge& e : g.edges(v)) {
+      if (idx(e.to) < g.nodes()) continue;
+      const std::uint64_t theirs = priority(d.ghosts.remote[idx(e.to) - g.nodes()].rank);
+      if (up ? theirs > mine : theirs < mine) fixed[v] = 1;
+    }
+  }
+  return fixed;
+}
+
+/// What one rank may do in a turn: each part's room, or surplus, shared out among the ranks that can reach it.
+struct Shares {
+  std::vector<std::int64_t> weight, capacity;
+};
+Shares share_room(const Comm& comm, const DistGraph& d, const Parts& part, int parts, std::int64_t capacity) {
+  const Graph& g = d.graph;
+  Shares s;
+  s.weight.assign(static_cast<std::size_t>(parts), 0);
+  std::vector<std::int64_t> here(s.weight.size(), 0);
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) s.weight[idx(part[v])] += g.weight[v];
+  for (const Rank p : part) here[idx(p)] = 1;
+  comm.reduce(std::span<std::int64_t>(s.weight), Op::kSum);
+  comm.reduce(std::span<std::int64_t>(here), Op::kSum);
+  s.capacity.resize(s.weight.size());
+  for (std::size_t p = 0; p < here.size(); ++p)
+    s.capacity[p] = s.weight[p] + (capacity - s.weight[p]) / std::max<std::int64_t>(1, here[p]);
+  return s;
+}
+
+/// Collective. Improves the parts of one level over all ranks.
+void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, Parts& part) {
+  const std::size_t n = d.graph.nodes();
+  part.resize(n + d.ghosts.remote.size());
+  const int turns = comm.size() == 1 ? 1 : 4;
+  for (int turn = 0; turn < turns; ++turn) {
+    const auto ghosts = d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; });
+    for (std::size_t i = 0; i < ghosts.size(); ++i) part[to_id<NodeId>(n + i)] = ghosts[i];
+    const auto fixed = fixed_in_turn(comm, d, turn);
+    Shares s = share_room(comm, d, part, parts, capacity);
+    Refiner refiner(d.graph, part, s.weight, s.capacity, &fixed);
+    if (turn < 2) {
+      refine_all(refiner, n);
+    } else {
+      refiner.balance();
+      refiner.global_pass(std::max<std::size_t>(50, n / 500));
+    }
+  }
+  part.resize(n);
+}
+
+}  // namespace
+
+IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dist, std::span<const double> work,
+                                           int parts, const MultilevelOptions& options) {
+  std::vector<Level> levels(1);
+  levels[0].dist = dual_graph(comm, dist, work, options.face_weight);
+  const auto n = static_cast<std::int64_t>(dist.mesh.tet_slots());
+  const Graph& g = levels[0].dist.graph;
+  const std::int64_t total = comm.sum(std::accumulate(g.weight.begin(), g.weight.end(), std::int64_t{0}));
+  const std::int64_t heaviest = comm.max(g.nodes() == 0 ? 0 : *std::max_element(g.weight.begin(), g.weight.end()));
+  const double mean = static_cast<double>(total) / parts;
+  const auto capacity = static_cast<std::int64_t>(
+      std::ceil(mean + std::max(options.imbalance * mean, std::min(static_cast<double>(heaviest), mean))));
+  const auto all = static_cast<double>(std::max<std::int64_t>(1, comm.sum(n)));
+  const auto target =
+      static_cast<std::size_t>(static_cast<double>(coarse_nodes(parts)) * static_cast<double>(n) / all) + 1;
+
+  for (DistGraph coarse; coarsen(comm, levels.back(), target, heaviest_node(total, parts), coarse);) {
+    levels.emplace_back();
+    levels.back().dist = std::move(coarse);
+    coarse = DistGraph{};
+  }
+  Parts part = cut_coarsest(comm, levels.back().dist, parts, total, capacity);
+  while (levels.size() > 1) {
+    levels.pop_back();
+    const Level& fine = levels.back();
+    Parts finer(fine.dist.graph.nodes());
+    for (const NodeId v : IdRange<NodeId>(finer.size())) finer[v] = part[fine.node2coarse[v]];
+    part = std::move(finer);
+    refine_level(comm, fine.dist, parts, capacity, part);
+  }
+  join_pieces(comm, levels[0].dist, parts, capacity, capacity, part);
+  return IdVector<TetId, Rank>(std::move(part.raw()));
+}
+
+}  // namespace skein

@@ -1,0 +1,81 @@
+// Better parts by moving single nodes: Fiduccia-Mattheyses local search between all parts at once.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "partition/graph.hpp"
+
+namespace skein {
+
+/// Nodes ordered by gain: a list per gain, the last one that came is the first to go. Gains beyond +-kReach share the
+/// outermost lists.
+class GainQueue {
+ public:
+  explicit GainQueue(std::size_t nodes);
+  void push(NodeId v, std::int64_t gain) noexcept;
+  void remove(NodeId v) noexcept;
+  struct Item {
+    NodeId node = kNoNode;  ///< kNoNode when the queue is empty
+    std::int32_t gain = 0;  ///< that it was pushed with, clamped
+  };
+  Item pop() noexcept;
+  [[nodiscard]] bool has(NodeId v) const noexcept { return at_[v] >= 0; }
+  static constexpr std::int32_t kReach = 2000;
+  static std::int32_t clamp(std::int64_t gain) noexcept;
+
+ private:
+  IdVector<NodeId, NodeId> next_, prev_;
+  IdVector<NodeId, std::int32_t> at_;  ///< list, or -1
+  std::vector<NodeId> head_;
+  std::int32_t top_ = -1;
+};
+
+/// Moves own nodes of a graph between parts; ghosts and fixed nodes stay. Deterministic.
+class Refiner {
+ public:
+  /// `part`: one per own node and ghost; changed in place. `weight`: of each part. `capacity`: a part may get heavier
+  /// only up to it. `fixed`: null, or nonzero for nodes that stay. References must outlive this object.
+  Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<std::int64_t>& weight,
+          std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed = nullptr);
+
+  /// Takes nodes from parts beyond their capacity to neighbours that have room, cheapest first.
+  void balance();
+  /// One search that starts at the whole boundary: moves the best node, each one at most once, also to its loss, until
+  /// `patience` moves in a row have gained nothing; then back to the best state. Returns how much the cut fell.
+  std::int64_t global_pass(std::size_t patience);
+  /// Many small such searches, each from a few neighbouring nodes of the boundary: `patience` moves each.
+  std::int64_t local_pass(std::size_t seeds, std::size_t patience);
+
+ private:
+  struct Target {
+    Rank part{-1};
+    std::int64_t gain = 0;
+  };
+  /// The part to which v would best go; without room, only to lighter ones if `any`. Rank{-1}: nowhere.
+  Target best_target(NodeId v, bool any = false) noexcept;
+  [[nodiscard]] bool on_boundary(NodeId v) const noexcept;
+  [[nodiscard]] bool may_move(NodeId v) const noexcept { return fixed_ == nullptr || (*fixed_)[v] == 0; }
+  void move(NodeId v, Rank to) noexcept;
+  void enqueue(NodeId v);
+  void update_neighbours(NodeId v);
+  std::int64_t search(std::size_t patience);
+  bool shed(bool any);
+
+  const Graph& g_;
+  IdVector<NodeId, Rank>& part_;
+  std::vector<std::int64_t>& weight_;
+  std::span<const std::int64_t> capacity_;
+  const IdVector<NodeId, char>* fixed_;
+  GainQueue queue_;
+  std::vector<std::int32_t> contact_;  ///< by part; zero but inside best_target
+  std::vector<Rank> touched_;
+  IdVector<NodeId, char> locked_;
+  struct Move {
+    NodeId node;
+    Rank from;
+  };
+  std::vector<Move> moves_;
+};
+
+}  // namespace skein
