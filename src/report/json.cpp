@@ -17,6 +17,7 @@ Json to_json(const PhaseCost& p) {
               {"communication_cpu", {{"min", p.comm_cpu_min}, {"mean", p.comm_cpu_mean}, {"max", p.comm_cpu_max}}},
               {"balance", p.balance},
               {"elements", p.elements},
+              {"elements_max", p.elements_max},
               {"operations", operations},
               {"bytes_sent", p.bytes_sent},
               {"bytes_sent_max", p.bytes_sent_max},

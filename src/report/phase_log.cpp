@@ -81,7 +81,7 @@ void PhaseLog::finish(std::int64_t local_tets) {
   const Spread used = spread(*comm_, cpu), waited = spread(*comm_, comm_cpu);
   cost.cpu_min = used.min, cost.cpu_mean = used.mean, cost.cpu_max = used.max;
   cost.comm_cpu_min = waited.min, cost.comm_cpu_mean = waited.mean, cost.comm_cpu_max = waited.max;
-  cost.elements = comm_->sum(local_tets);
+  cost.elements = comm_->sum(local_tets), cost.elements_max = comm_->max(local_tets);
   cost.bytes_sent = comm_->sum(bytes), cost.bytes_sent_max = comm_->max(bytes);
   cost.messages_sent = comm_->sum(messages), cost.messages_sent_max = comm_->max(messages);
   cost.collectives = comm_->max(collectives);

@@ -19,7 +19,7 @@ struct PhaseCost {
   /// did; wall times do not.
   double cpu_min = 0, cpu_mean = 0, cpu_max = 0;
   double comm_cpu_min = 0, comm_cpu_mean = 0, comm_cpu_max = 0;  ///< CPU seconds inside communication
-  std::int64_t elements = 0;                                     ///< tetrahedra over all ranks when it ended
+  std::int64_t elements = 0, elements_max = 0;                   ///< tetrahedra at its end: all, of the largest part
   std::int64_t bytes_sent = 0, bytes_sent_max = 0;               ///< over all ranks; of the rank with most
   std::int64_t messages_sent = 0, messages_sent_max = 0;         ///< to single ranks; the same
   std::int64_t collectives = 0;                                  ///< collective calls, the same on every rank

@@ -33,6 +33,7 @@ TEST(PhaseLog, AddsUpOverRanks) {
   const PhaseCost& p = log.phases()[0];
   EXPECT_EQ(p.name, "first");
   EXPECT_EQ(p.elements, 100 * ranks + ranks * (ranks - 1) / 2);
+  EXPECT_EQ(p.elements_max, 100 + ranks - 1);
   EXPECT_EQ(p.operations.at("insert"), 10 * ranks + ranks * (ranks - 1) / 2);
   EXPECT_EQ(p.operations.at("only the last"), 3);
   EXPECT_DOUBLE_EQ(p.busy_max, 2);
