@@ -23,6 +23,14 @@ bool Inserter::is_split_face(FaceId f) const noexcept {
   return apex != shell_.a && apex != shell_.b && has_vertex(tv, shell_.a) && has_vertex(tv, shell_.b);
 }
 
+bool Inserter::is_inner(FaceId f) const noexcept {
+  // The cavity may grow round a tagged face, coming to it from both sides. Such a face stays: it counts as outer for
+  // both, and the side that cannot see the new point falls away.
+  const FaceId nb = part_->mesh.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))];
+  return nb != kNoFace && cavity_->contains(face_tet(nb)) &&
+         part_->mesh.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))] == 0;
+}
+
 void Inserter::grow(VertId p) {
   const TetMesh& m = part_->mesh;
   const Vec3 xp = part_->x(p);
@@ -51,10 +59,8 @@ bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
     for (std::size_t i = 0; i < old.size(); ++i) {
       const TetId t = old[i];
       for (int f = 0; f < 4; ++f) {
-        const FaceId nb = m.tet2face[t][static_cast<std::size_t>(f)];
-        if (nb != kNoFace && cavity_->contains(face_tet(nb))) continue;
         const FaceId face = make_face(t, f);
-        if (is_split_face(face)) continue;
+        if (is_inner(face) || is_split_face(face)) continue;
         const auto v = face_verts(m, face);
         if (cavity_->propose(p, v[0], v[1], v[2], m.tet_ref[t], floor_q3)) continue;
         if (i < seeds) return false;
@@ -87,9 +93,7 @@ bool Inserter::loses_vertex(VertId) {
   const auto& old = cavity_->old_tets();
   for (const TetId t : old) {
     for (int f = 0; f < 4; ++f) {
-      const FaceId nb = m.tet2face[t][static_cast<std::size_t>(f)];
-      if (nb != kNoFace && cavity_->contains(face_tet(nb))) continue;
-      if (is_split_face(make_face(t, f))) continue;
+      if (is_inner(make_face(t, f)) || is_split_face(make_face(t, f))) continue;
       for (const VertId v : face_verts(m, make_face(t, f))) part_->vert_mark[v] = kept;
     }
   }

@@ -30,6 +30,7 @@ class Inserter {
   [[nodiscard]] bool too_close(VertId p, double min_length);
   [[nodiscard]] bool loses_vertex(VertId p);
   [[nodiscard]] bool is_split_face(FaceId f) const noexcept;
+  [[nodiscard]] bool is_inner(FaceId f) const noexcept;
 
   Part* part_;
   Cavity* cavity_;
