@@ -122,9 +122,14 @@ def print_prediction(model, o):
     print(f"\npredicted from runs on 2 to {model.most_ranks} ranks; latency {o.latency:g} s, "
           f"bandwidth {o.bandwidth:g} bytes/s per rank\n")
     print(table(head, rows))
-    print("\nfitted: CPU seconds per million tetrahedra of a part, per 10,000 (N/P)^(2/3), per 1,000 ranks\n")
-    print(table(["phases", "volume", "interface", "ranks"],
-                [[g] + [f"{f * s:.3f}" for f, s in zip(model.factors[g, "cpu"], (1e6, 1e4, 1e3))] for g in models.GROUPS]))
+    print("\nfitted: CPU seconds per million tetrahedra of a part, per 10,000 (N/P)^(2/3), per 1,000 ranks; imbalance (in "
+          "the factors); messages per neighbourhood and per rank\n")
+    rows = []
+    for g in models.GROUPS:
+        cpu = [f"{f * s:.3f}" for f, s in zip(model.factors[g, "cpu"], (1e6, 1e4, 1e3))]
+        messages = [f"{f:.1f}" for f in model.factors[g, "messages"]]
+        rows.append([g] + cpu + [f"{model.imbalance[g, 'cpu']:.2f}"] + messages)
+    print(table(["phases", "volume", "interface", "ranks", "imbalance", "messages", "messages ~ P"], rows))
 
 
 def plot(runs, model, o):
