@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
+#include "app/field_transfer.hpp"
 #include "app/files.hpp"
 #include "app/metric_input.hpp"
 #include "app/run_report.hpp"
@@ -18,10 +20,14 @@
 namespace skein::app {
 namespace {
 
+constexpr double kSizeGradation = 1.3;  ///< of --size, unless told otherwise
+
 struct Options {
   std::string input;
   RunOptions run;
   MetricOptions metric;
+  FieldOptions fields;
+  std::optional<double> gradation;
   AdaptOptions adapt;
   std::string points = "edges";
   double ridge_angle = DistributeOptions{}.ridge_angle;
@@ -37,9 +43,13 @@ void require_sense(const Comm& comm, const Options& o) {
       fail("adapt: --field needs --complexity, which tells how many elements there shall be (about a tenth of them)");
     }
     if (o.metric.h_min > o.metric.h_max) fail("adapt: --hmin is greater than --hmax");
+    if (o.metric.gradation != 0 && o.metric.gradation <= 1) {
+      fail("adapt: --gradation must be greater than 1 (usual: 1.2 to 2), or 0 for none");
+    }
   });
   require_input(comm, o.input, kMeshInputs);
   require_input(comm, o.metric.path(), kFields);
+  require_fields(comm, o.fields, o.run.output);
   require_outputs(comm, o.run);
 }
 
@@ -52,6 +62,9 @@ Json to_json(const Options& o) {
   if (o.metric.complexity > 0) j["complexity"] = o.metric.complexity;
   if (o.metric.h_min > 0) j["hmin"] = o.metric.h_min;
   if (o.metric.h_max < 1e300) j["hmax"] = o.metric.h_max;
+  if (o.metric.gradation > 0) j["gradation"] = o.metric.gradation;
+  if (!o.fields.in.empty()) j["field_in"] = o.fields.in;
+  if (!o.fields.out.empty()) j["field_out"] = o.fields.out;
   j["rounds"] = o.adapt.rounds, j["threads"] = o.adapt.threads, j["points"] = o.points;
   j["ridge_angle"] = o.ridge_angle, j["surface"] = !o.no_surface;
   return j;
@@ -68,12 +81,21 @@ void note_findings(PhaseLog& log, const DistributeReport& r) {
   note(r.lost_edges, "edges of the file are no edge of a tetrahedron and are dropped");
 }
 
+void note_gradation(PhaseLog& log, const GradationReport& r, std::int64_t vertices) {
+  if (r.lowered > 0) {
+    log.note(fmt::format("gradation: stricter at {} of {} vertices", grouped(r.lowered), grouped(vertices)));
+  }
+  if (!r.converged) log.note("note: the gradation has not converged; sizes may still grow faster in places");
+}
+
 /// Collective. Reading and distribution; the slices of the files are gone when it returns.
-DistMesh load(const Comm& comm, const Options& o, RunRecord& record) {
+DistMesh load(const Comm& comm, const Options& o, RunRecord& record, TravellingFields& fields) {
   PhaseLog& log = record.log;
   log.start("read");
   const MeshSlice mesh = read_mesh(comm, o.input);
-  const FieldSlice metric = read_metric(comm, mesh, o.metric);
+  FieldSlice metric = read_metric(comm, mesh, o.metric);
+  const int metric_width = metric.width;
+  metric = fields.read_behind(comm, mesh, std::move(metric));
   record.elements_in = mesh.tets.total, record.vertices_in = mesh.total_verts;
   log.finish(static_cast<std::int64_t>(mesh.tets.verts.size()));
   record.lap("read");
@@ -83,14 +105,21 @@ DistMesh load(const Comm& comm, const Options& o, RunRecord& record) {
   DistributeOptions options;
   options.ridge_angle = o.ridge_angle;
   DistMesh dist = distribute(comm, mesh, &metric, options, &found);
-  make_metric(comm, dist, o.metric);
+  fields.take_from(dist, metric_width);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   note_findings(log, found);
+
+  log.start("metric");
+  const GradationReport graded = make_metric(comm, dist, o.metric);
+  fields.keep_mesh(comm, dist);
+  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  note_gradation(log, graded, dist.global_verts);
   record.lap("distribute");
   return dist;
 }
 
 ExitCode run_adapt(const Comm& comm, Options& o) {
+  o.metric.gradation = o.gradation.value_or(o.metric.size.empty() ? 0 : kSizeGradation);
   require_sense(comm, o);
   RunRecord record(comm, o.run);
   record.input = o.input;
@@ -99,10 +128,13 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   o.adapt.surface = !o.no_surface;
   record.options = to_json(o);
   note_threads(comm, o.run.threads, record.log);
-  DistMesh dist = load(comm, o, record);
+  TravellingFields fields(o.fields);
+  DistMesh dist = load(comm, o, record, fields);
   adapt(comm, dist, o.adapt, record.log);
   record.lap("adapt");
-  record.finish(comm, dist);
+  fields.arrive(dist, o.run.threads, record.log);
+  if (fields.any()) record.lap("transfer");
+  record.finish(comm, dist, fields.out());
   return ExitCode::kOk;
 }
 
@@ -121,6 +153,9 @@ void add_adapt(CLI::App& cli, Run& run) {
       ->check(CLI::Range(1.0, std::numeric_limits<double>::infinity()));
   verb->add_option("--hmin", o->metric.h_min, "smallest edge length")->check(CLI::PositiveNumber);
   verb->add_option("--hmax", o->metric.h_max, "largest edge length")->check(CLI::PositiveNumber);
+  verb->add_option("--gradation", o->gradation,
+                   "sizes grow at most by this factor per edge (> 1; 0: no bound); 1.3 with --size, else 0");
+  add_field_options(*verb, o->fields);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
   verb->add_option("--points", o->points, "how points are created")->check(CLI::IsMember({"edges", "centroid"}));
   verb->add_option("--ridge-angle", o->ridge_angle, "surface edges folded more than this are kept, degrees")

@@ -15,6 +15,9 @@
 namespace skein::app {
 namespace {
 
+constexpr int kMostScalings = 20;
+constexpr double kComplexityTolerance = 1e-4;
+
 /// Throws unless the file has one field of the wanted kind, with a value for every vertex.
 void require_fit(const FieldSlice& f, const MeshSlice& mesh, const MetricOptions& o) {
   const FieldKind want = o.metric.empty() ? FieldKind::kScalar : FieldKind::kTensor;
@@ -85,10 +88,69 @@ FieldSlice finite(FieldSlice f) {
   return f;
 }
 
-/// Collective. Scales the metric in dist.data to o.complexity (if given), then clamps its sizes.
-void scale_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
-  const bool clamps = o.h_min > 0 || o.h_max < 1e300;
-  double shift = 0;  // of the diagonal of the logarithm
+SymTensor get(const double* d) noexcept { return {d[0], d[1], d[2], d[3], d[4], d[5]}; }
+
+/// Clamps the sizes of the metric in dist.data.
+void clamp_metric(DistMesh& dist, const MetricOptions& o) {
+  if (o.h_min <= 0 && o.h_max >= 1e300) return;
+  const double low = -2 * std::log(o.h_max), high = o.h_min > 0 ? -2 * std::log(o.h_min) : 1e300;
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    double* d = dist.data.at(v);
+    Eigen e = eigen(get(d));
+    for (double& value : e.value) value = std::clamp(value, low, high);
+    put(compose(e), d);
+  }
+}
+
+GradationReport grade_isotropic(const Comm& comm, DistMesh& dist, double growth) {
+  std::vector<double> size(dist.mesh.vert_slots());
+  for (const VertId v : IdRange<VertId>(size.size())) size[idx(v)] = std::exp(-0.5 * dist.data.at(v)[0]);
+  const std::vector<double> before = size;
+  const GradationReport report = grade_sizes(comm, dist, Halo(comm, dist.sharing), growth, size);
+  for (const VertId v : IdRange<VertId>(size.size())) {
+    if (size[idx(v)] < before[idx(v)]) put(isotropic(-2 * std::log(size[idx(v)])), dist.data.at(v));
+  }
+  return report;
+}
+
+GradationReport grade_tensors(const Comm& comm, DistMesh& dist, double growth) {
+  std::vector<SymTensor> metric(dist.mesh.vert_slots());
+  for (const VertId v : IdRange<VertId>(metric.size())) metric[idx(v)] = exp(get(dist.data.at(v)));
+  const std::vector<SymTensor> before = metric;
+  const GradationReport report = grade_metric(comm, dist, growth, metric);
+  for (const VertId v : IdRange<VertId>(metric.size())) {
+    if (metric[idx(v)] != before[idx(v)]) put(log(metric[idx(v)]), dist.data.at(v));
+  }
+  return report;
+}
+
+/// Collective. Grades the metric in dist.data; nothing without o.gradation.
+GradationReport grade(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
+  if (o.gradation == 0) return {};
+  return o.size.empty() ? grade_tensors(comm, dist, o.gradation) : grade_isotropic(comm, dist, o.gradation);
+}
+
+/// Collective. Calls make(c), which sets dist.data to a metric of complexity c and grades it, until what the gradation
+/// adds is made up for and the complexity is o.complexity.
+template <class Make>
+GradationReport meet_complexity(const Comm& comm, DistMesh& dist, const MetricOptions& o, Make&& make) {
+  double aim = o.complexity;
+  GradationReport report = make(aim);
+  double last = 0;
+  for (int i = 0; i < kMostScalings && o.gradation > 0; ++i) {
+    const double now = complexity(comm, dist);
+    // Bounds of the sizes may put the complexity out of reach.
+    if (std::abs(now / o.complexity - 1) < kComplexityTolerance || std::abs(now / last - 1) < 1e-9) break;
+    last = now;
+    aim *= o.complexity / now;
+    report = make(aim);
+  }
+  return report;
+}
+
+/// Collective. Scales the metric in dist.data to o.complexity (if given) and grades it, then clamps its sizes.
+GradationReport scale_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
+  GradationReport report;
   if (o.complexity > 0) {
     const double now = complexity(comm, dist);
     agree(comm, [&] {
@@ -96,31 +158,38 @@ void scale_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
         throw Error(ExitCode::kInput, fmt::format("{}: its complexity is {}; it cannot be scaled", o.path(), now));
       }
     });
-    shift = 2.0 / 3 * std::log(o.complexity / now);
+    const std::vector<double> given = dist.data.values;
+    double shift = 0;  // of the diagonal of the logarithm
+    const auto scaled = [&] {
+      dist.data.values = given;
+      for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+        double* d = dist.data.at(v);
+        d[0] += shift, d[2] += shift, d[5] += shift;
+      }
+    };
+    report = meet_complexity(comm, dist, o, [&](double aim) {
+      shift = 2.0 / 3 * std::log(aim / now);
+      scaled();
+      return grade(comm, dist, o);
+    });
+    if (o.h_min <= 0 && o.h_max >= 1e300) return report;
+    scaled();  // clamped before it is graded, so that sizes below the least do not spread
   }
-  if (shift == 0 && !clamps) return;
-  const double low = -2 * std::log(o.h_max), high = o.h_min > 0 ? -2 * std::log(o.h_min) : 1e300;
-  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    double* d = dist.data.at(v);
-    d[0] += shift, d[2] += shift, d[5] += shift;
-    if (!clamps) continue;
-    Eigen e = eigen({d[0], d[1], d[2], d[3], d[4], d[5]});
-    for (double& value : e.value) value = std::clamp(value, low, high);
-    put(compose(e), d);
-  }
+  clamp_metric(dist, o);
+  return grade(comm, dist, o);
 }
 
 /// Collective. dist.data holds a scalar; it becomes the logarithm of the metric of its second derivatives.
-void metric_of_field(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
+GradationReport metric_of_field(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
   std::vector<SymTensor> metric(dist.mesh.vert_slots());
-  {
-    const Halo halo(comm, dist.sharing);
-    const std::vector<SymTensor> hessian = recover_hessian(comm, dist, halo, dist.data.values);
-    hessian_metric(comm, dist, o.complexity, o.norm, o.h_min, o.h_max, hessian, metric);
-  }
+  const std::vector<SymTensor> hessian = recover_hessian(comm, dist, Halo(comm, dist.sharing), dist.data.values);
   dist.data.width = 6;
   dist.data.values.assign(6 * metric.size(), 0);
-  for (const VertId v : IdRange<VertId>(metric.size())) put(log(metric[idx(v)]), dist.data.at(v));
+  return meet_complexity(comm, dist, o, [&](double aim) {
+    hessian_metric(comm, dist, aim, o.norm, o.h_min, o.h_max, hessian, metric);
+    for (const VertId v : IdRange<VertId>(metric.size())) put(log(metric[idx(v)]), dist.data.at(v));
+    return grade(comm, dist, o);
+  });
 }
 
 }  // namespace
@@ -148,12 +217,8 @@ FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOpti
   return f;
 }
 
-void make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
-  if (!o.field.empty()) {
-    metric_of_field(comm, dist, o);
-  } else {
-    scale_metric(comm, dist, o);
-  }
+GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
+  return o.field.empty() ? scale_metric(comm, dist, o) : metric_of_field(comm, dist, o);
 }
 
 }  // namespace skein::app

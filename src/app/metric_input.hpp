@@ -6,6 +6,7 @@
 #include "comm/comm.hpp"
 #include "io/mesh_slice.hpp"
 #include "partition/dist_mesh.hpp"
+#include "solution/gradation.hpp"
 
 namespace skein::app {
 
@@ -16,6 +17,7 @@ struct MetricOptions {
   double complexity = 0;            ///< 0: as given
   double h_min = 0, h_max = 1e300;  ///< length
   double norm = 2;                  ///< of the interpolation error of `field`: L^p, p >= 1 or infinity
+  double gradation = 0;             ///< largest growth of sizes from edge to edge, > 1; 0: as they are
   [[nodiscard]] bool given() const noexcept { return !metric.empty() || !size.empty() || !field.empty(); }
   [[nodiscard]] const std::string& path() const noexcept {
     return !metric.empty() ? metric : !size.empty() ? size : field;
@@ -32,7 +34,9 @@ FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOpti
 
 /// Collective. Makes dist.data the logarithm of the metric to adapt to: --metric and --size are scaled to the
 /// complexity (if given), then clamped to the sizes; --field becomes the metric of its second derivatives, which meets
-/// the complexity with the clamps. @pre dist.data is what read_metric() gave.
-void make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o);
+/// the complexity with the clamps. With o.gradation sizes are graded after the clamps (which they then still keep), and
+/// the scaling is such that the graded metric has the complexity. Tells what the gradation did. @pre dist.data is what
+/// read_metric() gave.
+GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o);
 
 }  // namespace skein::app

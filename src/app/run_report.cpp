@@ -82,14 +82,20 @@ void RunRecord::lap(const std::string& name) {
   lap_ = now;
 }
 
-void RunRecord::finish(const Comm& comm, DistMesh& dist) {
+void RunRecord::finish(const Comm& comm, DistMesh& dist, const FieldsOut& fields) {
   log.start("statistics");
   const MeshStatistics s = statistics(comm, dist, true, run_.threads);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   lap("statistics");
 
   log.start("write");
-  write_mesh(comm, run_.output, to_slices(comm, dist));
+  FieldSlice values;
+  if (!fields.kinds.empty()) {
+    values = to_field_slices(comm, dist, 6, fields.kinds);
+    values.names = fields.names;
+  }
+  write_mesh(comm, run_.output, to_slices(comm, dist), fields.kinds.empty() ? nullptr : &values);
+  if (!fields.path.empty()) write_fields(comm, fields.path, values);
   if (!run_.metric_out.empty()) write_fields(comm, run_.metric_out, metric_slices(comm, dist));
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   lap("write");

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "comm/comm.hpp"
+#include "io/mesh_slice.hpp"
 #include "partition/dist_mesh.hpp"
 #include "report/json.hpp"
 #include "report/phase_log.hpp"
@@ -28,6 +29,13 @@ PhaseLog::Output progress_output(bool quiet);
 /// Rank 0 says when there are more threads than cores. Collective.
 void note_threads(const Comm& comm, int threads, PhaseLog& log);
 
+/// Fields on the new mesh: data numbers 6, 7, ... of the vertices.
+struct FieldsOut {
+  std::string path;  ///< .sol or .solb; empty: with the mesh only (.vtu, .pvtu)
+  std::vector<FieldKind> kinds;
+  std::vector<std::string> names;
+};
+
 /// The run as a whole: wall times and sizes, from which the report is made.
 class RunRecord {
  public:
@@ -40,9 +48,9 @@ class RunRecord {
 
   /// Seconds since the last lap (or the beginning) belong to `name`. Not collective.
   void lap(const std::string& name);
-  /// Collective. The rest of the flow: statistics, writing of mesh, metric and report. The log-metric is the
+  /// Collective. The rest of the flow: statistics, writing of mesh, metric, fields and report. The log-metric is the
   /// first 6 numbers of dist.data.
-  void finish(const Comm& comm, DistMesh& dist);
+  void finish(const Comm& comm, DistMesh& dist, const FieldsOut& fields = {});
 
  private:
   [[nodiscard]] Json to_json(const Comm& comm, const DistMesh& dist, const Json& statistics) const;
