@@ -39,9 +39,10 @@ def remove_leftovers():
 
 
 class Hosts:
-    """Two namespaces with an address each. Removed by close(), also after SIGTERM and SIGINT."""
+    """Two namespaces with an address each, and a common folder. Removed by close(), also after SIGTERM and SIGINT."""
 
     def __init__(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="skein-hosts-")
         self.names = [f"{PREFIX}{os.getpid()}-{k}" for k in "ab"]
         ends = [f"skein{os.getpid()}{k}"[-15:] for k in "ab"]
         try:
@@ -66,6 +67,7 @@ class Hosts:
             for pid in run("ip", "netns", "pids", name, check=False).stdout.split():
                 os.kill(int(pid), signal.SIGKILL)
             run("ip", "netns", "delete", name, check=False)
+        self.folder.cleanup()
 
     def inside(self, host):
         """Prefix of a command that runs on this host."""
@@ -94,14 +96,10 @@ def mpirun(hosts, per_host, over, command, folder):
 class TwoHosts(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = Path(tempfile.mkdtemp(prefix="skein-hosts-"))
+        cls.folder = Path(HOSTS.folder.name)
         verts, tets, tris = runner.cube(5)
         runner.write_mesh(cls.folder / "in.mesh", verts, tets, tris)
         runner.write_solution(cls.folder / "in.sol", [(0.05 + 0.1 * abs(x - 0.4),) for x, _, _ in verts])
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
 
     def adapt(self, per_host, over):
         output = self.folder / f"out-{per_host}-{over}.meshb"
