@@ -190,6 +190,16 @@ bool refine_block_interface(Block& block) {
   return true;
 }
 
+void renumber_common(Block& block, const IdVector<VertId, VertId>& old2new) {
+  block.common_id.clear();
+  for (VertId& v : block.common) {
+    block.common_id.push_back(block.id[v]);
+    v = old2new[v];
+  }
+  for (VertId& v : block.frozen) v = old2new[v];
+  block.id = {};
+}
+
 namespace {
 
 /// Joins what the blocks have in common; numbers the rest behind one another.
@@ -229,8 +239,9 @@ class Joiner {
   void add_vertices(const Block& block) {
     const TetMesh& m = block.part.mesh;
     new_of_.assign(m.vert_slots(), kNoVert);
-    for (const VertId v : block.common) {
-      VertId& merged = by_id_.try_emplace(num(block.id[v]), kNoVert).first->second;
+    for (std::size_t i = 0; i < block.common.size(); ++i) {
+      const VertId v = block.common[i];
+      VertId& merged = by_id_.try_emplace(num(block.common_id[i]), kNoVert).first->second;
       if (merged == kNoVert) {
         std::uint8_t flags = m.vert_flags[v];
         if ((flags & kWasFrozen) == 0) flags = static_cast<std::uint8_t>(flags & ~kFrozen);

@@ -29,9 +29,10 @@ void keep_active_near_blocks(TetMesh& mesh, const BlockLabels& label, int layers
 struct Block {
   Part part;
   /// Per vertex of the part as it was cut: its number in the whole mesh; for a new one on the interface between blocks
-  /// a hashed id (refine_interface).
+  /// a hashed id (refine_interface). Empty after renumber_common.
   IdVector<VertId, GlobalId> id;
-  std::vector<VertId> common;  ///< the part's vertices that other blocks have, too (frozen)
+  std::vector<VertId> common;       ///< the part's vertices that other blocks have, too (frozen)
+  std::vector<GlobalId> common_id;  ///< ... and their ids, from renumber_common on
   std::vector<VertId>
       frozen;  ///< the part's vertices that were frozen before the cut, ascending (shared with other ranks)
   std::vector<VertId> frozen_of;  ///< ... and their number in the whole mesh
@@ -44,6 +45,9 @@ Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabel
 /// Refines the interface to other blocks where its edges are too long (refine_interface). False when that fails; the
 /// block is then of no use. Thread-safe.
 bool refine_block_interface(Block& block);
+
+/// Follows a renumbering of the part's vertices (adapt_part).
+void renumber_common(Block& block, const IdVector<VertId, VertId>& old2new);
 
 /// What merge_blocks gives: the whole mesh again.
 struct Merged {

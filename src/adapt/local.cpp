@@ -17,11 +17,11 @@ constexpr int kLayers = 3;               ///< by which interfaces of blocks move
 constexpr int kActiveLayers = 2;         ///< round old interfaces that are worked on again
 constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which threads do not pay
 
-void run(Part& part, const LocalOptions& o) {
+IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
   part.spacing = o.spacing;
   prepare(part);
-  adapt_part(part);
+  return adapt_part(part);
 }
 
 template <class Id, class T>
@@ -51,14 +51,17 @@ IdVector<VertId, VertId> identity_of_frozen(const TetMesh& mesh) {
   return out;
 }
 
-OperationCounts run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o) {
+void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalResult& result) {
   Part part;
   part.mesh = std::move(mesh);
   part.metric = std::move(metric);
-  run(part, o);
+  const auto step = run(part, o);
+  for (auto& v : result.old2new) {
+    if (v != kNoVert) v = step[v];
+  }
+  result.counts += part.counts;
   mesh = std::move(part.mesh);
   metric = std::move(part.metric);
-  return part.counts;
 }
 
 constexpr std::size_t to_index(int b) noexcept { return static_cast<std::size_t>(b); }
@@ -100,7 +103,10 @@ BlockLabels run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& la
   }
   mesh = TetMesh{};
   metric = MetricField{};
-  in_parallel(o.threads, [&](int b) { run(blocks[to_index(b)].part, o); });
+  in_parallel(o.threads, [&](int b) {
+    Block& block = blocks[to_index(b)];
+    renumber_common(block, run(block.part, o));
+  });
   for (const Block& b : blocks) result.counts += b.part.counts;
   Merged merged = merge_blocks(blocks, old_verts);
   for (auto& v : result.old2new) {
@@ -118,7 +124,7 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
   if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads)) {
-    result.counts = run_alone(mesh, metric, o);
+    run_alone(mesh, metric, o, result);
   } else {
     BlockLabels label = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);
     // Two turns suffice for two blocks; where three meet, a third one takes what the second had to leave.

@@ -155,7 +155,8 @@ void Collapser::move_features(VertId v, VertId u) {
   }
 }
 
-bool Collapser::collapse(VertId v, VertId u, double max_length, double floor_q3) {
+template <class Floor>
+bool Collapser::attempt(VertId v, VertId u, double max_length, Floor&& floor_of_old_min) {
   if (!may_leave(v, u)) return false;
   TetMesh& m = part_->mesh;
   cavity_->clear();
@@ -167,7 +168,7 @@ bool Collapser::collapse(VertId v, VertId u, double max_length, double floor_q3)
     if (!facets_can_move(v, u)) return false;
     collect_facets(v);
   }
-  if (!cone(v, u, std::min(floor_q3, 0.5 * cavity_->old_min_q3()))) return false;
+  if (!cone(v, u, floor_of_old_min(cavity_->old_min_q3()))) return false;
   if (surface) {
     if (!surface_allows(v, u)) return false;
     if (m.has(v, kRidge) && !ridge_allows(v, u)) return false;
@@ -180,6 +181,14 @@ bool Collapser::collapse(VertId v, VertId u, double max_length, double floor_q3)
   drop_vertex(*part_, v);
   ++part_->counts.collapse;
   return true;
+}
+
+bool Collapser::collapse(VertId v, VertId u, double max_length, double floor_q3) {
+  return attempt(v, u, max_length, [&](double old_min) { return std::min(floor_q3, 0.5 * old_min); });
+}
+
+bool Collapser::collapse_to_improve(VertId v, VertId u, double max_length, double gain) {
+  return attempt(v, u, max_length, [&](double old_min) { return gain * old_min; });
 }
 
 }  // namespace skein

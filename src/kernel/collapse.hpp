@@ -14,12 +14,16 @@ class Collapser {
  public:
   Collapser(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
   bool collapse(VertId v, VertId u, double max_length, double floor_q3);
+  /// The same, but only if the worst element of the ball gets better by the factor `gain` in Q^3.
+  bool collapse_to_improve(VertId v, VertId u, double max_length, double gain = 1.2);
 
  private:
   struct Facet {
     VertId x, y;  ///< triangle (v, x, y), counter-clockwise from outside
     FaceTag tag;
   };
+  template <class Floor>
+  bool attempt(VertId v, VertId u, double max_length, Floor&& floor_of_old_min);
   [[nodiscard]] bool may_leave(VertId v, VertId u) const noexcept;
   void collect_facets(VertId v);
   [[nodiscard]] bool surface_allows(VertId v, VertId u);

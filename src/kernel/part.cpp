@@ -1,6 +1,8 @@
 // Set-up of a part, and its vertices.
 #include "kernel/part.hpp"
 
+#include "mesh/adjacency.hpp"
+
 namespace skein {
 
 double quality_cubed(const Part& p, TetId t) noexcept {
@@ -26,6 +28,33 @@ void prepare(Part& p) {
       p.free_tets.push_back(t);
     }
   }
+}
+
+namespace {
+template <class Id, class T>
+void permute(IdVector<Id, T>& v, const IdVector<Id, Id>& old2new, std::size_t n) {
+  IdVector<Id, T> out(n);
+  for (const Id i : IdRange<Id>(v.size())) {
+    if (old2new[i] != to_id<Id>(-1)) out[old2new[i]] = v[i];
+  }
+  v = std::move(out);
+}
+}  // namespace
+
+IdVector<VertId, VertId> compact(Part& p) {
+  IdVector<TetId, TetId> tets;
+  auto verts = compact(p.mesh, &tets);
+  const std::size_t nv = p.mesh.vert_slots(), nt = p.mesh.tet_slots();
+  permute(p.metric.at, verts, nv);
+  permute(p.metric.log_at, verts, nv);
+  permute(p.q3, tets, nt);
+  permute(p.dirty, tets, nt);
+  p.tet_mark.assign(nt, 0);
+  p.vert_mark.assign(nv, 0);
+  p.tet_stamp = p.vert_stamp = 0;
+  p.free_tets.clear();
+  p.free_verts.clear();
+  return verts;
 }
 
 namespace {

@@ -70,6 +70,9 @@ struct Part {
 
 /// Sizes the caches to the mesh and computes all qualities. @pre mesh has adjacency; metric has a value per vertex.
 void prepare(Part& part);
+/// Renumbers the part along the Hilbert curve, without free slots, so that what is near in space is near in memory.
+/// Returns old vertex -> new vertex (kNoVert for free ones).
+IdVector<VertId, VertId> compact(Part& part);
 /// quality_cubed of a live tetrahedron, computed afresh.
 double quality_cubed(const Part& part, TetId t) noexcept;
 /// A vertex slot (recycled or new) with this position and log-metric, flagged kActive; not yet in any tetrahedron.

@@ -13,6 +13,12 @@
 namespace skein {
 namespace {
 
+constexpr double kFloor = 0.3 * 0.3 * 0.3;  ///< Q^3 that a collapse of a short edge must leave
+constexpr double kHuntLength = 2;           ///< longest edge that may come of removing a vertex of a bad element
+constexpr int kHuntTurns = 8;
+constexpr double kHuntLong = 1.8, kHuntShort = 0.55;  ///< edges that are hunted
+constexpr double kHuntNewLength = 0.45;               ///< no new point closer than this then
+
 constexpr double cube(double q) noexcept { return q * q * q; }
 
 /// One worker's operators and its sweeps over what is dirty.
@@ -30,6 +36,12 @@ class Passes {
   std::int64_t create_points();
   std::int64_t swap_below(double quality);
   std::int64_t smooth_below(double quality);
+  /// The edges that the strict bounds have left far from unit length: bounds on what is made in their place are
+  /// loosened.
+  void hunt_lengths();
+  /// Works on the elements below `target` with every operator, accepting only what makes the worst element better,
+  /// until none can be improved.
+  void hunt_worst(double target);
 
  private:
   /// Calls visit(t) for every live, active tetrahedron that is dirty for this pass, after taking the bit away, in up to
@@ -37,9 +49,11 @@ class Passes {
   template <class Visit>
   void sweep(Pass pass, int sweeps, Visit&& visit);
   bool collapse_in(TetId t, double below, double max_length, double floor_q3);
-  bool split_in(TetId t);
+  bool split_in(TetId t, double above);
   bool centroid_in(TetId t);
   bool swap_in(TetId t);
+  bool smooth_in(TetId t);
+  bool remove_vertex_in(TetId t);
 
   Part& part_;
   Cavity cavity_;
@@ -66,21 +80,51 @@ void Passes::sweep(Pass pass, int sweeps, Visit&& visit) {
   }
 }
 
-/// Edges of a tetrahedron with their metric lengths.
+/// The metric lengths of a tetrahedron's edges, as far as they matter: with la, lb the lengths in the metrics of its
+/// ends, the logarithmic mean lies between sqrt(la lb) and sqrt((la^2 + lb^2)/2), which need no logarithm to tell that
+/// an edge is fine.
 struct EdgeLengths {
-  std::array<double, 6> l;
+  std::array<double, 6> qa, qb;  ///< squares
   EdgeLengths(const Part& p, const std::array<VertId, 4>& v) noexcept {
     for (std::size_t e = 0; e < 6; ++e) {
-      l[e] = p.length(v[static_cast<std::size_t>(kEdgeVerts[e][0])], v[static_cast<std::size_t>(kEdgeVerts[e][1])]);
+      const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
+      const Vec3 d = p.x(b) - p.x(a);
+      qa[e] = quad(p.metric.at[a].m, d);
+      qb[e] = quad(p.metric.at[b].m, d);
     }
+  }
+  [[nodiscard]] double length(std::size_t e) const noexcept { return log_mean(std::sqrt(qa[e]), std::sqrt(qb[e])); }
+  /// The shortest edge if it is shorter than `below`, else 6.
+  [[nodiscard]] std::size_t shortest(double below) const noexcept {
+    std::size_t at = 6;
+    double best = below;
+    for (std::size_t e = 0; e < 6; ++e) {
+      if (qa[e] * qb[e] >= best * best * best * best) continue;
+      const double l = length(e);
+      if (l < best) best = l, at = e;
+    }
+    return at;
+  }
+  /// Edges longer than `above`, longest first; their number.
+  std::size_t longer(double above, std::array<std::pair<double, std::size_t>, 6>& out) const noexcept {
+    std::size_t n = 0;
+    for (std::size_t e = 0; e < 6; ++e) {
+      if (qa[e] + qb[e] <= 2 * above * above) continue;
+      const double l = length(e);
+      if (l <= above) continue;
+      std::size_t at = n++;
+      for (; at > 0 && out[at - 1].first < l; --at) out[at] = out[at - 1];
+      out[at] = {l, e};
+    }
+    return n;
   }
 };
 
 bool Passes::collapse_in(TetId t, double below, double max_length, double floor_q3) {
   const auto v = part_.mesh.tet2vert[t];
   const EdgeLengths len(part_, v);
-  const auto e = static_cast<std::size_t>(std::min_element(len.l.begin(), len.l.end()) - len.l.begin());
-  if (len.l[e] >= below) return false;
+  const std::size_t e = len.shortest(below);
+  if (e == 6) return false;
   const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
   if (!part_.mesh.has(a, kActive) && !part_.mesh.has(b, kActive)) return false;
   return collapse_.collapse(a, b, max_length, floor_q3) || collapse_.collapse(b, a, max_length, floor_q3);
@@ -92,22 +136,20 @@ std::int64_t Passes::collapse_short(double below, double max_length, double floo
   return part_.counts.collapse - before;
 }
 
-bool Passes::split_in(TetId t) {
+bool Passes::split_in(TetId t, double above) {
   const auto v = part_.mesh.tet2vert[t];
   const EdgeLengths len(part_, v);
-  std::array<std::size_t, 6> order{0, 1, 2, 3, 4, 5};
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return len.l[i] > len.l[j]; });
-  for (const std::size_t e : order) {
-    const double l = len.l[e];
-    if (l <= part_.options.split_above) return false;
+  std::array<std::pair<double, std::size_t>, 6> order;
+  const std::size_t n_long = len.longer(above, order);
+  for (std::size_t i = 0; i < n_long; ++i) {
+    const double l = order[i].first;
+    const std::size_t e = order[i].second;
     const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
     if (!part_.mesh.has(a, kActive) && !part_.mesh.has(b, kActive)) continue;
-    // Unit steps: of n pieces, the one in the middle ends the first half.
+    // Unit steps: of n pieces, the one in the middle ends the first half. With sizes that change geometrically along
+    // the edge, s is the parameter of the metric fraction f.
     const double n = std::max(2.0, std::round(l));
-    const double la = std::sqrt(quad(part_.metric.at[a].m, part_.x(b) - part_.x(a)));
-    const double lb = std::sqrt(quad(part_.metric.at[b].m, part_.x(b) - part_.x(a)));
-    // With sizes that change geometrically along the edge, the parameter of the metric fraction f.
-    const double f = std::floor(n / 2) / n, r = lb / la;
+    const double f = std::floor(n / 2) / n, r = std::sqrt(len.qb[e] / len.qa[e]);
     double s = f;
     if (std::abs(r - 1) > 1e-3) s = std::log(1 + f * (r - 1)) / std::log(r);
     s = std::clamp(s, 0.1, 0.9);
@@ -118,15 +160,17 @@ bool Passes::split_in(TetId t) {
 
 bool Passes::centroid_in(TetId t) {
   const auto v = part_.mesh.tet2vert[t];
-  const EdgeLengths len(part_, v);
-  if (*std::max_element(len.l.begin(), len.l.end()) <= part_.options.split_above) return false;
+  std::array<std::pair<double, std::size_t>, 6> order;
+  if (EdgeLengths(part_, v).longer(part_.options.split_above, order) == 0) return false;
   if (insert_.inside(t, {0.25, 0.25, 0.25, 0.25}, part_.options.length_min_new) == InsertResult::kDone) return true;
-  return split_in(t);  // the boundary is refined along its edges, and what centroids cannot reach
+  return split_in(
+      t, part_.options.split_above);  // the boundary is refined along its edges, and what centroids cannot reach
 }
 
 std::int64_t Passes::create_points() {
   const std::int64_t before = part_.counts.insert;
-  sweep(kInsertPass, 100, [&](TetId t) { part_.options.centroid_points ? centroid_in(t) : split_in(t); });
+  sweep(kInsertPass, 100,
+        [&](TetId t) { part_.options.centroid_points ? centroid_in(t) : split_in(t, part_.options.split_above); });
   return part_.counts.insert - before;
 }
 
@@ -166,26 +210,73 @@ std::int64_t Passes::smooth_below(double quality) {
   return part_.counts.smooth - before;
 }
 
+bool Passes::smooth_in(TetId t) {
+  const auto tv = part_.mesh.tet2vert[t];
+  bool moved = false;
+  for (const VertId v : tv) {
+    if (part_.mesh.has(v, kActive)) moved = smooth_.move(v) || moved;
+  }
+  return moved;
+}
+
+bool Passes::remove_vertex_in(TetId t) {
+  const auto tv = part_.mesh.tet2vert[t];
+  for (const VertId v : tv) {
+    if (!part_.mesh.has(v, kActive)) continue;
+    for (const VertId u : tv) {
+      if (u != v && collapse_.collapse_to_improve(v, u, kHuntLength)) return true;
+    }
+  }
+  return false;
+}
+
+void Passes::hunt_lengths() {
+  const KernelOptions strict = part_.options;
+  part_.options.length_min_new = kHuntNewLength;
+  for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
+    const auto t = to_id<TetId>(i);
+    if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
+    if (!split_in(t, kHuntLong)) collapse_in(t, kHuntShort, kHuntLong, kFloor);
+  }
+  part_.options = strict;
+}
+
+void Passes::hunt_worst(double target) {
+  const auto limit = static_cast<float>(cube(target));
+  for (int turn = 0; turn < kHuntTurns; ++turn) {
+    std::int64_t done = 0;
+    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
+      const auto t = to_id<TetId>(i);
+      if (part_.q3[t] >= limit || !part_.mesh.is_live(t) || !part_.active(t)) continue;
+      if (swap_in(t) || smooth_in(t) || remove_vertex_in(t)) ++done;
+    }
+    if (done == 0) return;
+  }
+}
+
 }  // namespace
 
-void adapt_part(Part& part) {
+IdVector<VertId, VertId> adapt_part(Part& part) {
   Passes pass(part);
   const KernelOptions& o = part.options;
-  constexpr double kFloor = 0.3 * 0.3 * 0.3;
   pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
   pass.create_points();
-  for (int i = 0; i < 3; ++i) {
-    pass.swap_below(i == 0 ? 0.6 : 0.75);
-    pass.smooth_below(0.9);
+  auto old2new = compact(part);
+  for (const double smooth_limit : {0.9, 0.8}) {
+    pass.swap_below(0.7);
+    pass.smooth_below(smooth_limit);
     pass.collapse_short(o.collapse_below, o.split_above, kFloor);
     pass.create_points();
   }
-  for (int i = 0; i < 4; ++i) {
-    const auto swaps = pass.swap_below(0.8);
-    const auto moves = pass.smooth_below(i < 2 ? 0.95 : 0.6);
-    if (swaps + moves == 0) break;
+  pass.hunt_lengths();
+  for (int i = 0; i < 2; ++i) {
+    pass.swap_below(0.7);
+    pass.smooth_below(0.75);
   }
+  pass.hunt_lengths();
+  pass.hunt_worst(0.5);
+  return old2new;
 }
 
 }  // namespace skein

@@ -21,7 +21,7 @@ VertId other_ring_vertex(const std::array<VertId, 4>& tv, VertId a, VertId b, Ve
 }
 }  // namespace
 
-bool gather_shell(const TetMesh& m, TetId t0, VertId a, VertId b, Shell& s) noexcept {
+bool gather_shell(const TetMesh& m, TetId t0, VertId a, VertId b, Shell& s, int max) noexcept {
   s.a = a;
   s.b = b;
   // Orient: ring goes c -> d in t0 with (a, b, c, d) positive.
@@ -45,7 +45,7 @@ bool gather_shell(const TetMesh& m, TetId t0, VertId a, VertId b, Shell& s) noex
   // Backward to the open end, if there is one.
   TetId t = t0;
   s.closed = false;
-  for (int guard = 0; guard <= Shell::kMax; ++guard) {
+  for (int guard = 0; guard <= max; ++guard) {
     const FaceId f = m.tet2face[t][u(local_index(m.tet2vert[t], d))];  // the face a, b, c
     if (f == kNoFace) break;
     const TetId nb = face_tet(f);
@@ -57,7 +57,7 @@ bool gather_shell(const TetMesh& m, TetId t0, VertId a, VertId b, Shell& s) noex
     d = c;
     c = before;
     t = nb;
-    if (guard == Shell::kMax) return false;
+    if (guard == max) return false;
   }
   // Forward.
   s.n = 0;
@@ -66,7 +66,7 @@ bool gather_shell(const TetMesh& m, TetId t0, VertId a, VertId b, Shell& s) noex
   s.tag[0] = m.face_tag[t][u(local_index(m.tet2vert[t], d))];
   s.on_interface = !s.closed && !is_hull(s.tag[0]);
   for (;;) {
-    if (s.n == Shell::kMax) return false;
+    if (s.n == max) return false;
     s.tet[u(s.n)] = t;
     const VertId next = other_ring_vertex(m.tet2vert[t], a, b, c);
     ++s.n;

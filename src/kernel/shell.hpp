@@ -25,8 +25,8 @@ struct Shell {
   [[nodiscard]] int tagged_faces() const noexcept;
 };
 
-/// Fills the shell of the edge (a, b) of t. False when it has more than Shell::kMax tetrahedra.
-bool gather_shell(const TetMesh& mesh, TetId t, VertId a, VertId b, Shell& shell) noexcept;
+/// Fills the shell of the edge (a, b) of t. False when it has more than `max` tetrahedra. @pre max <= Shell::kMax.
+bool gather_shell(const TetMesh& mesh, TetId t, VertId a, VertId b, Shell& shell, int max = Shell::kMax) noexcept;
 
 /// Appends the tetrahedra at v to `ball`, marking them with a new stamp (Part::tet_stamp). False when there are more
 /// than `max`.

@@ -75,7 +75,7 @@ bool Swapper::propose_polygon(int i, int j) {
 bool Swapper::edge(TetId t, VertId a, VertId b, double gain) {
   TetMesh& m = part_->mesh;
   if (m.has(a, kFrozen) && m.has(b, kFrozen)) return false;
-  if (!gather_shell(m, t, a, b, shell_) || shell_.on_interface) return false;
+  if (!gather_shell(m, t, a, b, shell_, kMaxRing) || shell_.on_interface) return false;
   const int ring = shell_.ring_size();
   if (ring > kMaxRing || ring < 3) return false;
   const int tagged = shell_.tagged_faces();

@@ -124,7 +124,7 @@ Box bounding_box(const TetMesh& m) noexcept {
 
 }  // namespace
 
-IdVector<VertId, VertId> compact(TetMesh& m) {
+IdVector<VertId, VertId> compact(TetMesh& m, IdVector<TetId, TetId>* tet_map) {
   const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
   const Box box = bounding_box(m);
   std::vector<std::uint64_t> key(nv, 0);
@@ -179,6 +179,7 @@ IdVector<VertId, VertId> compact(TetMesh& m) {
   FeatureEdges features;
   for (const auto& e : m.features.list()) features.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
   m.features = std::move(features);
+  if (tet_map != nullptr) *tet_map = std::move(tet_old2new);
   return old2new;
 }
 

@@ -12,7 +12,7 @@ void build_adjacency(TetMesh& mesh);
 /// Sets kSurface, kRidge on vertices from face_tag and features (other bits stay).
 void mark_boundary_vertices(TetMesh& mesh);
 /// Removes free slots and renumbers vertices and tetrahedra along the Hilbert curve. Returns old vertex -> new vertex
-/// (kNoVert for free ones).
-IdVector<VertId, VertId> compact(TetMesh& mesh);
+/// (kNoVert for free ones), and old tetrahedron -> new tetrahedron where asked for.
+IdVector<VertId, VertId> compact(TetMesh& mesh, IdVector<TetId, TetId>* tet_old2new = nullptr);
 
 }  // namespace skein

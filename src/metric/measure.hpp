@@ -41,7 +41,8 @@ inline double quality_cubed(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const VertMetric
   const VertMetric& m = p.sqrt_det >= q.sqrt_det ? p : q;
   const Vec3 a = x1 - x0, b = x2 - x0, c = x3 - x0;
   const double v = dot(cross(a, b), c) * (1.0 / 6) * m.sqrt_det;
-  const double s = quad(m.m, a) + quad(m.m, b) + quad(m.m, c) + quad(m.m, b - a) + quad(m.m, c - a) + quad(m.m, c - b);
+  // The sum over the six edges of points 0, a, b, c is 4 (a'Ma + b'Mb + c'Mc) - (a+b+c)'M(a+b+c).
+  const double s = 4 * (quad(m.m, a) + quad(m.m, b) + quad(m.m, c)) - quad(m.m, a + b + c);
   constexpr double kScale = 36.0 * 36.0 * 36.0 / 3.0;
   return kScale * v * std::abs(v) / (s * s * s);
 }
