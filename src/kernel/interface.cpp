@@ -30,6 +30,10 @@ GlobalId hashed_id(GlobalId a, GlobalId b) noexcept {
 }
 [[gnu::noinline]] SymTensor shared_middle(const SymTensor& a, const SymTensor& b) noexcept { return 0.5 * (a + b); }
 
+/// Edges to a kept vertex are split to this depth: over a long kept edge the splits would come nearer and nearer to it
+/// without end.
+constexpr int kDeepest = 3;
+
 class InterfaceRefiner {
  public:
   InterfaceRefiner(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep)
@@ -66,6 +70,9 @@ class InterfaceRefiner {
     TetId tet;
   };
 
+  /// How many splits have led to this vertex; the same in all parts that have it.
+  [[nodiscard]] int generation(VertId v) const noexcept { return idx(v) < generation_.size() ? generation_[v] : 0; }
+
   void collect();
   void enqueue(VertId a, VertId b);
   void add_face(TetId t, int side);
@@ -81,13 +88,16 @@ class InterfaceRefiner {
   IdVector<VertId, GlobalId>& gid_;
   Cavity cavity_;
   std::uint8_t keep_;
+  IdVector<VertId, int> generation_;  ///< as far as there are new vertices
   Shell shell_;
   std::priority_queue<Entry> queue_;
   std::unordered_map<Key, std::vector<Third>> thirds_;
 };
 
 void InterfaceRefiner::enqueue(VertId a, VertId b) {
-  if ((part_.mesh.vert_flags[a] & part_.mesh.vert_flags[b] & keep_) != 0) return;
+  const bool keep_a = part_.mesh.has(a, keep_), keep_b = part_.mesh.has(b, keep_);
+  if (keep_a && keep_b) return;
+  if ((keep_a && generation(b) >= kDeepest) || (keep_b && generation(a) >= kDeepest)) return;
   if (gid_[b] < gid_[a]) std::swap(a, b);
   const double l = shared_length(part_, a, b);
   if (l > part_.options.split_above) queue_.push({l, gid_[a], gid_[b], a, b});
@@ -162,6 +172,8 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
                               shared_middle(part_.metric.log_at[a], part_.metric.log_at[b]), kFrozen);
   gid_.resize(m.vert_slots(), kNoGlobal);
   gid_[p] = hashed_id(gid_[a], gid_[b]);
+  generation_.resize(m.vert_slots(), 0);
+  generation_[p] = 1 + std::max(generation(a), generation(b));
   // Several fans of this part may meet at the edge, with other parts between them.
   while (true) {
     const auto left = thirds_.find(edge_key(a, b));
