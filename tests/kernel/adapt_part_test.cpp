@@ -1,0 +1,233 @@
+// adapt_part: the recipe keeps what the operators keep, and the result fits the metric.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <set>
+
+#include "kernel/passes.hpp"
+#include "mesh/adjacency.hpp"
+#include "mesh/check.hpp"
+#include "tests/kernel/judge.hpp"
+#include "tests/kernel/metrics.hpp"
+
+namespace skein::test {
+namespace {
+
+/// Share of edges with both ends free that are not longer than sqrt 2, not shorter than 1/sqrt 2; the longest; worst Q.
+struct Fit {
+  double unit_share = 0, above_two = 0, longest = 0, worst = 1;
+  std::size_t tets = 0;
+};
+Fit fit(const Part& p) {
+  Fit out;
+  std::set<std::pair<VertId, VertId>> edges;
+  for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) {
+    if (!p.mesh.is_live(t)) continue;
+    ++out.tets;
+    out.worst = std::min(out.worst, quality(quality_cubed(p, t)));
+    for (const auto& e : kEdgeVerts) {
+      edges.insert(std::minmax(p.mesh.tet2vert[t][static_cast<std::size_t>(e[0])],
+                               p.mesh.tet2vert[t][static_cast<std::size_t>(e[1])]));
+    }
+  }
+  std::size_t unit = 0, above_two = 0;
+  for (const auto& [a, b] : edges) {
+    const double l = p.length(a, b);
+    unit += l > std::sqrt(0.5) && l < std::sqrt(2.0);
+    above_two += l > 2;
+    out.longest = std::max(out.longest, l);
+  }
+  out.unit_share = static_cast<double>(unit) / static_cast<double>(edges.size());
+  out.above_two = static_cast<double>(above_two) / static_cast<double>(edges.size());
+  return out;
+}
+
+Part make_part(const MeshSpec& spec, const SmoothMetric& metric) {
+  Part p;
+  p.mesh = make_mesh(spec);
+  p.metric = metric_field(p.mesh.coords, metric);
+  prepare(p);
+  return p;
+}
+
+RC_GTEST_PROP(AdaptPart, KeepsFlatSidedMeshesInAnyMetric, ()) {
+  MeshSpec spec;
+  spec.two_regions = *rc::gen::arbitrary<bool>();
+  spec.n = spec.two_regions ? *rc::gen::element(2, 4) : *rc::gen::inRange(1, 5);
+  spec.shape = *rc::gen::element(Shape::kBox, Shape::kSkewed);
+  spec.required = *rc::gen::element(false, false, true);
+  spec.perturb = *rc::gen::element(0.0, 0.3);
+  spec.seed = *rc::gen::arbitrary<unsigned>();
+  std::mt19937 random(*rc::gen::arbitrary<unsigned>());
+  Part p = make_part(spec, random_smooth_metric(random, 0.06, 0.6, 1));
+  p.options.centroid_points = *rc::gen::element(false, false, true);
+  const Measures before = measure(p.mesh);
+  adapt_part(p);
+  RC_ASSERT(judge(p) == "");
+  RC_ASSERT(differ(before, measure(p.mesh), 1e-12) == "");
+}
+
+/// What must stay, by coordinates, since the part may be renumbered.
+using Items = std::multiset<std::vector<double>>;
+Items frozen_vertices(const Part& p) {
+  Items out;
+  for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
+    if (!p.mesh.is_live(v) || !p.mesh.has(v, kFrozen)) continue;
+    const Vec3 x = p.x(v);
+    const SymTensor& l = p.metric.log_at[v];
+    out.insert({x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v])});
+  }
+  return out;
+}
+std::vector<double> place(const TetMesh& m, const std::array<VertId, 3>& face) {
+  std::vector<std::array<double, 3>> x;
+  for (const VertId v : face) x.push_back({m.coords[v].x, m.coords[v].y, m.coords[v].z});
+  std::sort(x.begin(), x.end());
+  return {x[0][0], x[0][1], x[0][2], x[1][0], x[1][1], x[1][2], x[2][0], x[2][1], x[2][2]};
+}
+Items interface_of(const TetMesh& m) {
+  Items out;
+  for (const auto& f : interface_faces(m)) out.insert(place(m, f));
+  return out;
+}
+Items tagged_faces(const TetMesh& m) {
+  Items out;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (int f = 0; m.is_live(t) && f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
+      if (tag == 0) continue;
+      auto item = place(m, face_verts(m, make_face(t, f)));
+      item.push_back(tag);
+      out.insert(item);
+    }
+  }
+  return out;
+}
+
+Items all_tets(const TetMesh& m) {
+  Items out;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t)) continue;
+    std::vector<double> item;
+    for (int f = 0; f < 4; ++f) {
+      const auto x = place(m, face_verts(m, make_face(t, f)));
+      item.insert(item.end(), x.begin(), x.end());
+    }
+    out.insert(item);
+  }
+  return out;
+}
+
+RC_GTEST_PROP(AdaptPart, LeavesFrozenVerticesAndInterfaces, ()) {
+  MeshSpec spec;
+  spec.n = *rc::gen::inRange(2, 5);
+  spec.perturb = 0.2;
+  spec.seed = *rc::gen::arbitrary<unsigned>();
+  std::mt19937 random(*rc::gen::arbitrary<unsigned>());
+  const TetMesh whole = make_mesh(spec);
+  IdVector<TetId, int> label(whole.tet_slots());
+  for (auto& l : label) l = static_cast<int>(random() % 2);  // as ragged as can be
+  if (*rc::gen::arbitrary<bool>()) {
+    for (std::size_t t = 0; t < label.size(); ++t) label.raw()[t] = 3 * t > label.size() ? 1 : 0;
+  }
+  Part p;
+  IdVector<VertId, GlobalId> gid;
+  p.mesh = cut_out(whole, label, 1, gid);
+  p.metric = metric_field(p.mesh.coords, random_smooth_metric(random, 0.08, 0.6, 1));
+  prepare(p);
+  const Snapshot before(p);
+  const Items frozen = frozen_vertices(p);
+  adapt_part(p);
+  RC_ASSERT(judge(p) == "");
+  RC_ASSERT(differ(measure(before.mesh), measure(p.mesh), 1e-12) == "");
+  RC_ASSERT(interface_of(p.mesh) == interface_of(before.mesh));
+  RC_ASSERT(frozen_vertices(p) == frozen);
+}
+
+RC_GTEST_PROP(AdaptPart, KeepsTheSurfaceWhenAsked, ()) {
+  MeshSpec spec;
+  spec.two_regions = *rc::gen::arbitrary<bool>();
+  spec.n = spec.two_regions ? *rc::gen::element(2, 4) : *rc::gen::inRange(1, 4);
+  spec.shape = *rc::gen::element(Shape::kBox, Shape::kCylinder, Shape::kSphere);
+  spec.perturb = 0.2;
+  std::mt19937 random(*rc::gen::arbitrary<unsigned>());
+  Part p = make_part(spec, random_smooth_metric(random, 0.15, 0.8, 1));
+  p.options.surface = false;
+  const Snapshot before(p);
+  adapt_part(p);
+  RC_ASSERT(judge(p) == "");
+  RC_ASSERT(tagged_faces(p.mesh) == tagged_faces(before.mesh));
+  RC_ASSERT(differ(measure(before.mesh), measure(p.mesh), 1e-12) == "");
+}
+
+RC_GTEST_PROP(AdaptPart, StaysOnCurvedPatches, ()) {
+  MeshSpec spec;
+  spec.shape = *rc::gen::element(Shape::kCylinder, Shape::kSphere);
+  spec.n = *rc::gen::inRange(4, 7);
+  spec.perturb = 0.2;
+  spec.seed = *rc::gen::arbitrary<unsigned>();
+  std::mt19937 random(*rc::gen::arbitrary<unsigned>());
+  Part p = make_part(spec, random_smooth_metric(random, 0.15, 0.8, 0.5));
+  const Measures before = measure(p.mesh);
+  adapt_part(p);
+  RC_ASSERT(judge(p) == "");
+  const Measures after = measure(p.mesh);
+  RC_ASSERT(before.fixed == after.fixed);
+  // How far an operation may leave the facets is 1 % of an edge, and all edges are shorter than the body; normals may
+  // turn by 15 degrees, which changes an area by 1 - cos(15).
+  RC_ASSERT(std::abs(after.volume - before.volume) < 0.01 * before.volume);
+  for (const auto& [patch, area] : before.area_of) RC_ASSERT(std::abs(after.area_of.at(patch) - area) < 0.034 * area);
+  for (const auto& [ref, length] : before.feature_of) {
+    RC_ASSERT(std::abs(after.feature_of.at(ref) - length) < 0.01 * length);
+  }
+}
+
+/// On a mesh of enough elements the result fits.
+class Fits : public ::testing::TestWithParam<std::array<double, 3>> {};
+TEST_P(Fits, TheMetric) {
+  const auto h = GetParam();
+  SmoothMetric metric;
+  metric.size = h;
+  metric.slope = {Vec3{0.5, 0, 0}, Vec3{0, 0.5, 0}, Vec3{0.5, 0, 0}};
+  metric.turn = {0.5, 0.3, 0};
+  for (const Shape shape : {Shape::kBox, Shape::kSkewed}) {
+    Part p = make_part({.n = 6, .shape = shape, .perturb = 0.2}, metric);
+    adapt_part(p);
+    ASSERT_EQ(judge(p), "");
+    const Fit f = fit(p);
+    EXPECT_GE(f.unit_share, 0.9) << f.tets;
+    EXPECT_GE(f.worst, 0.1) << f.tets;
+    EXPECT_LE(f.above_two, 0.005) << f.tets;
+    EXPECT_LE(f.longest, 5) << f.tets;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Metrics, Fits,
+                         ::testing::Values(std::array{0.08, 0.08, 0.08}, std::array{0.12, 0.12, 0.12},
+                                           std::array{0.03, 0.15, 0.15}, std::array{0.06, 0.06, 0.25},
+                                           std::array{0.03, 0.1, 0.2}));
+
+TEST(AdaptPart, GivesTheSameBytesAgain) {
+  const auto run = [] {
+    std::mt19937 random(7);
+    Part p = make_part({.n = 4, .shape = Shape::kCylinder, .perturb = 0.2}, random_smooth_metric(random, 0.1, 0.3, 1));
+    adapt_part(p);
+    return p;
+  };
+  const Part a = run(), b = run();
+  EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
+  EXPECT_EQ(a.mesh.coords, b.mesh.coords);
+  EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+}
+
+TEST(AdaptPart, WithoutActiveVerticesNothingChanges) {
+  std::mt19937 random(3);
+  Part p = make_part({.n = 4, .perturb = 0.2}, random_smooth_metric(random, 0.1, 0.3, 1));
+  for (auto& f : p.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
+  const Items before = all_tets(p.mesh);
+  adapt_part(p);
+  EXPECT_EQ(all_tets(p.mesh), before);
+}
+
+}  // namespace
+}  // namespace skein::test
