@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "partition/interface_faces.hpp"
+#include "partition/rendezvous.hpp"
 
 namespace skein {
 namespace {
@@ -21,7 +22,7 @@ void set_weights(const Comm& comm, std::span<const double> work, Graph& g) {
   const double scale = std::exp2(std::floor(std::log2(kTotalWeight / total)));
   g.weight.resize(work.size());
   for (const NodeId v : IdRange<NodeId>(work.size()))
-    g.weight[v] = sum > 0 ? static_cast<std::int64_t>(std::llround(work[idx(v)] * scale)) : 1;
+    g.weight[v] = static_cast<std::int64_t>(std::llround((sum > 0 ? work[idx(v)] : 1.0) * scale));
 }
 
 }  // namespace
@@ -90,10 +91,20 @@ DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const dou
   return out;
 }
 
-Matching match_heavy_edges(const Graph& g, std::int64_t max_weight) {
+Matching match_heavy_edges(const Graph& g, std::int64_t max_weight, std::uint64_t seed) {
   const std::size_t n = g.nodes();
   IdVector<NodeId, NodeId> mate(n, kNoNode);
-  for (const NodeId v : IdRange<NodeId>(n)) {
+  std::vector<NodeId> order;
+  if (seed != 0) {
+    order.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {  // Fisher-Yates, inside out
+      const std::size_t j = mix(seed + i) % (i + 1);
+      order[i] = order[j];
+      order[j] = to_id<NodeId>(i);
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const NodeId v = seed == 0 ? to_id<NodeId>(i) : order[i];
     if (mate[v] != kNoNode) continue;
     mate[v] = v;
     double best = 0;

@@ -77,12 +77,13 @@ DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const dou
 Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::size_t nodes, std::size_t ghosts);
 
 /// Pairs of nodes with heavy edges and little weight (rating w^2 / (weight_u * weight_v)); no set heavier than
-/// max_weight. Result: the set of each own node; sets are in the order of their first node. Deterministic.
+/// max_weight. Result: the set of each own node; sets are in the order of their first node. Nodes choose in
+/// their order, or with a seed other than 0 in a random one.
 struct Matching {
   IdVector<NodeId, NodeId> node2set;
   std::size_t sets = 0;
 };
-Matching match_heavy_edges(const Graph& graph, std::int64_t max_weight);
+Matching match_heavy_edges(const Graph& graph, std::int64_t max_weight, std::uint64_t seed = 0);
 
 /// The own nodes with `part[v] == which` and the edges between them; `inside` gets their numbers.
 Graph subgraph(const Graph& graph, const IdVector<NodeId, Rank>& part, Rank which, std::vector<NodeId>& inside);

@@ -17,26 +17,61 @@ namespace {
 using Parts = IdVector<NodeId, Rank>;
 
 /// Nodes of the graph that is cut by bisection, all ranks together.
-std::size_t coarse_nodes(int parts) { return std::max<std::size_t>(30000, 30 * static_cast<std::size_t>(parts)); }
+std::size_t coarse_nodes(int parts) { return std::max<std::size_t>(5000, 30 * static_cast<std::size_t>(parts)); }
 
 /// No coarse node may be heavier than this.
 std::int64_t heaviest_node(std::int64_t total, int parts) {
   return 3 * (total / static_cast<std::int64_t>(2 * coarse_nodes(parts))) + 1;
 }
 
+/// What a cut costs: first the weight beyond the capacities, then the cut.
+struct Cost {
+  std::int64_t surplus = 0, cut = 0;
+  friend auto operator<=>(const Cost&, const Cost&) = default;
+};
+
 struct Level {
   DistGraph dist;
   IdVector<NodeId, NodeId> node2coarse;  ///< of own nodes and ghosts; empty on the coarsest level
 };
 
+/// Searches from the whole boundary find the long way down, small ones from everywhere what those pass over; each alone
+/// leaves cuts that are several percent longer. On large graphs the second round of small ones finds too little.
 void refine_all(Refiner& r, std::size_t nodes) {
+  constexpr std::size_t kLarge = 200000;
   r.balance();
   const std::size_t patience = std::max<std::size_t>(200, nodes / 200);
   for (int i = 0; i < 3 && r.global_pass(patience) > 0; ++i) {
   }
-  const int locals = nodes < 200000 ? 2 : 1;
-  for (int i = 0; i < locals && r.local_pass(4, 25) > 0; ++i) {
+  for (int i = 0; i < (nodes < kLarge ? 2 : 1) && r.local_pass(4, 25) > 0; ++i) {
   }
+}
+
+/// Improves the parts of a graph without ghosts.
+Cost refine_cut(const Graph& g, int parts, std::int64_t capacity, Parts& part) {
+  std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) weight[idx(part[v])] += g.weight[v];
+  const std::vector<std::int64_t> capacities(weight.size(), capacity);
+  Refiner refiner(g, part, weight, capacities);
+  refine_all(refiner, g.nodes());
+  Cost cost{0, cut_rows(g, part)};
+  for (const auto w : weight) cost.surplus += std::max<std::int64_t>(0, w - capacity);
+  return cost;
+}
+
+/// The best of several cuts by bisection. With few parts their cost is small, and luck in the first cuts counts more.
+Parts cut_coarse_graph(const Graph& g, int parts, std::int64_t capacity, std::uint64_t seed) {
+  Cost best;
+  Parts part;
+  const std::uint64_t trials = parts < 16 ? 3 : 2;
+  for (std::uint64_t i = 0; i < trials; ++i) {
+    Parts trial = bisect_recursively(g, parts, capacity, mix(seed * trials + i));
+    const Cost cost = refine_cut(g, parts, capacity, trial);
+    if (i > 0 && best <= cost) continue;
+    best = cost;
+    part = std::move(trial);
+  }
+  return part;
 }
 
 /// All levels of a graph without ghosts, and back.
@@ -49,13 +84,9 @@ Parts cut_graph(const Graph& g, int parts, std::int64_t total, std::int64_t capa
     part.resize(g.nodes());
     for (const NodeId v : IdRange<NodeId>(g.nodes())) part[v] = coarse[m.node2set[v]];
   } else {
-    part = bisect_recursively(g, parts, capacity, seed);
+    return cut_coarse_graph(g, parts, capacity, seed);
   }
-  std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
-  for (const NodeId v : IdRange<NodeId>(g.nodes())) weight[idx(part[v])] += g.weight[v];
-  const std::vector<std::int64_t> capacities(weight.size(), capacity);
-  Refiner refiner(g, part, weight, capacities);
-  refine_all(refiner, g.nodes());
+  refine_cut(g, parts, capacity, part);
   return part;
 }
 
@@ -126,10 +157,6 @@ Parts cut_coarsest(const Comm& comm, const DistGraph& d, int parts, std::int64_t
   std::size_t first = 0;
   const Graph all = gather_graph(comm, d, first);
   Parts part = cut_graph(all, parts, total, capacity, static_cast<std::uint64_t>(num(comm.rank())));
-  struct Cost {
-    std::int64_t surplus, cut;
-    auto operator<=>(const Cost&) const = default;
-  };
   std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
   for (const NodeId v : IdRange<NodeId>(all.nodes())) weight[idx(part[v])] += all.weight[v];
   Cost mine{0, cut_rows(all, part)};
@@ -214,6 +241,20 @@ void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t 
   part.resize(n);
 }
 
+struct Capacity {
+  std::int64_t search = 0;  ///< for the local search: leaves room for stray pieces
+  std::int64_t end = 0;
+};
+/// A part may always have one tetrahedron more than the mean; more only if that is not the whole of a part.
+Capacity capacities(std::int64_t total, std::int64_t heaviest, int parts, double imbalance) {
+  const double mean = static_cast<double>(total) / parts;
+  const double grain = std::min(static_cast<double>(heaviest), mean);
+  const auto at = [&](double slack) {
+    return static_cast<std::int64_t>(std::ceil(mean + std::max(slack * mean, grain)));
+  };
+  return {at(0.96 * imbalance), at(imbalance)};
+}
+
 }  // namespace
 
 IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dist, std::span<const double> work,
@@ -224,9 +265,7 @@ IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dis
   const Graph& g = levels[0].dist.graph;
   const std::int64_t total = comm.sum(std::accumulate(g.weight.begin(), g.weight.end(), std::int64_t{0}));
   const std::int64_t heaviest = comm.max(g.nodes() == 0 ? 0 : *std::max_element(g.weight.begin(), g.weight.end()));
-  const double mean = static_cast<double>(total) / parts;
-  const auto capacity = static_cast<std::int64_t>(
-      std::ceil(mean + std::max(options.imbalance * mean, std::min(static_cast<double>(heaviest), mean))));
+  const Capacity capacity = capacities(total, heaviest, parts, options.imbalance);
   const auto all = static_cast<double>(std::max<std::int64_t>(1, comm.sum(n)));
   const auto target =
       static_cast<std::size_t>(static_cast<double>(coarse_nodes(parts)) * static_cast<double>(n) / all) + 1;
@@ -236,16 +275,16 @@ IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dis
     levels.back().dist = std::move(coarse);
     coarse = DistGraph{};
   }
-  Parts part = cut_coarsest(comm, levels.back().dist, parts, total, capacity);
+  Parts part = cut_coarsest(comm, levels.back().dist, parts, total, capacity.search);
   while (levels.size() > 1) {
     levels.pop_back();
     const Level& fine = levels.back();
     Parts finer(fine.dist.graph.nodes());
     for (const NodeId v : IdRange<NodeId>(finer.size())) finer[v] = part[fine.node2coarse[v]];
     part = std::move(finer);
-    refine_level(comm, fine.dist, parts, capacity, part);
+    refine_level(comm, fine.dist, parts, capacity.search, part);
   }
-  join_pieces(comm, levels[0].dist, parts, capacity, capacity, part);
+  join_pieces(comm, levels[0].dist, parts, capacity.end, capacity.end, part);
   return IdVector<TetId, Rank>(std::move(part.raw()));
 }
 

@@ -78,7 +78,7 @@ IdVector<NodeId, Rank> bisect(const Graph& g, const Halves& h, std::uint64_t see
   IdVector<NodeId, Rank> part(n);
   if (n > kSmallest) {
     const auto limit = 3 * (total_weight(g) / static_cast<std::int64_t>(2 * kSmallest)) + 1;
-    const Matching m = match_heavy_edges(g, limit);
+    const Matching m = match_heavy_edges(g, limit, mix(seed ^ n) | 1);
     if (m.sets * 20 < n * 19) {
       const auto coarse = bisect(contract(g, m.node2set, m.sets, 0), h, seed);
       for (const NodeId v : IdRange<NodeId>(n)) part[v] = coarse[m.node2set[v]];

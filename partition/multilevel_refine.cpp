@@ -21,6 +21,7 @@ void GainQueue::push(NodeId v, std::int64_t gain) noexcept {
   if (head != kNoNode) prev_[head] = v;
   head = v;
   top_ = std::max(top_, list);
+  ++size_;
 }
 
 void GainQueue::remove(NodeId v) noexcept {
@@ -31,11 +32,15 @@ void GainQueue::remove(NodeId v) noexcept {
   }
   if (next_[v] != kNoNode) prev_[next_[v]] = prev_[v];
   at_[v] = -1;
+  --size_;
 }
 
 GainQueue::Item GainQueue::pop() noexcept {
-  while (top_ >= 0 && head_[static_cast<std::size_t>(top_)] == kNoNode) --top_;
-  if (top_ < 0) return {};
+  if (size_ == 0) {  // without a walk through all the empty lists
+    top_ = -1;
+    return {};
+  }
+  while (head_[static_cast<std::size_t>(top_)] == kNoNode) --top_;
   const NodeId v = head_[static_cast<std::size_t>(top_)];
   remove(v);
   return {v, top_ - kReach};
@@ -50,28 +55,32 @@ Refiner::Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<s
       fixed_(fixed),
       queue_(graph.nodes()),
       contact_(weight.size(), 0),
+      touched_(weight.size() + 1),
       locked_(graph.nodes(), 0) {}
 
 Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
-  touched_.clear();
+  const std::span<const Edge> edges = g_.edges(v);
   const Rank own = part_[v];
-  for (const Edge& e : g_.edges(v)) {
+  std::size_t touched = 0;
+  for (const Edge& e : edges) {
     const Rank p = part_[e.to];
-    if (contact_[idx(p)] == 0) touched_.push_back(p);
-    contact_[idx(p)] += e.weight;
+    std::int32_t& c = contact_[idx(p)];
+    touched_[touched] = p;
+    touched += c == 0 ? 1 : 0;
+    c += e.weight;
   }
+  const std::int64_t w = g_.weight[v], inner = contact_[idx(own)];
+  contact_[idx(own)] = 0;
   Target best;
-  const std::int64_t w = g_.weight[v];
-  for (const Rank p : touched_) {
-    if (p == own) continue;
+  for (std::size_t i = 0; i < touched; ++i) {
+    const Rank p = touched_[i];
+    const std::int64_t gain = contact_[idx(p)] - inner;
+    contact_[idx(p)] = 0;
+    if (p == own || (best.part != Rank{-1} && gain < best.gain)) continue;
     const std::int64_t after = weight_[idx(p)] + w;
     if (after > capacity_[idx(p)] && !(any && after < weight_[idx(own)])) continue;
-    const std::int64_t gain = contact_[idx(p)] - contact_[idx(own)];
-    if (best.part == Rank{-1} || gain > best.gain || (gain == best.gain && weight_[idx(p)] < weight_[idx(best.part)])) {
-      best = {p, gain};
-    }
+    if (best.part == Rank{-1} || gain > best.gain || weight_[idx(p)] < weight_[idx(best.part)]) best = {p, gain};
   }
-  for (const Rank p : touched_) contact_[idx(p)] = 0;
   return best;
 }
 

@@ -29,6 +29,7 @@ class GainQueue {
   IdVector<NodeId, std::int32_t> at_;  ///< list, or -1
   std::vector<NodeId> head_;
   std::int32_t top_ = -1;
+  std::size_t size_ = 0;
 };
 
 /// Moves own nodes of a graph between parts; ghosts and fixed nodes stay. Deterministic.

@@ -1,0 +1,243 @@
+// Diffusion of work over the graph of the parts.
+#include "partition/rebalance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "partition/graph.hpp"
+#include "partition/graph_pieces.hpp"
+#include "partition/multilevel_refine.hpp"
+
+namespace skein {
+namespace {
+
+using Parts = IdVector<NodeId, Rank>;
+
+/// Two parts that touch: how many faces, as seen from `from`; what shall flow.
+struct Flow {
+  Rank from{-1}, to{-1};
+  double contact = 0;
+  double work = 0;
+};
+bool before(const Flow& a, const Flow& b) noexcept { return std::pair(a.from, a.to) < std::pair(b.from, b.to); }
+
+/// Sorts and adds up the contacts of equal pairs.
+void add_up(std::vector<Flow>& flows) {
+  std::sort(flows.begin(), flows.end(), before);
+  std::size_t n = 0;
+  for (const Flow& f : flows) {
+    if (n > 0 && !before(flows[n - 1], f)) {
+      flows[n - 1].contact += f.contact;
+    } else {
+      flows[n++] = f;
+    }
+  }
+  flows.resize(n);
+}
+
+/// The pairs of parts that touch at this rank's nodes; ascending. `part` has the ghosts' parts, too.
+std::vector<Flow> local_contacts(const Graph& g, const Parts& part) {
+  std::vector<Flow> out;
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) {
+    for (const Edge& e : g.edges(v)) {
+      if (part[e.to] != part[v]) out.push_back({part[v], part[e.to], 1, 0});
+    }
+  }
+  add_up(out);
+  return out;
+}
+
+/// The potentials x with L x = b by conjugate gradients, L the Laplacian of the parts with the contacts as
+/// weights. Wide interfaces so take more of the flow.
+std::vector<double> solve(const std::vector<Flow>& edges, const std::vector<double>& b) {
+  const std::size_t n = b.size();
+  const auto apply = [&](const std::vector<double>& x) {
+    std::vector<double> y(n, 0);
+    for (const Flow& e : edges) y[idx(e.from)] += e.contact * (x[idx(e.from)] - x[idx(e.to)]);
+    return y;
+  };
+  const auto dot = [](const std::vector<double>& p, const std::vector<double>& q) {
+    return std::inner_product(p.begin(), p.end(), q.begin(), 0.0);
+  };
+  std::vector<double> x(n, 0), r(b), d(b);
+  double rr = dot(r, r);
+  const double enough = 1e-10 * rr;
+  for (std::size_t i = 0; i < 4 * n && rr > enough; ++i) {
+    const auto ad = apply(d);
+    const double curve = dot(d, ad);
+    if (curve <= 0) break;
+    const double alpha = rr / curve, old = rr;
+    for (std::size_t k = 0; k < n; ++k) {
+      x[k] += alpha * d[k];
+      r[k] -= alpha * ad[k];
+    }
+    rr = dot(r, r);
+    for (std::size_t k = 0; k < n; ++k) d[k] = r[k] + rr / old * d[k];
+  }
+  return x;
+}
+
+/// weight - mean of the parts that can be reached from each other.
+std::vector<double> surplus(const std::vector<Flow>& edges, const std::vector<std::int64_t>& weight) {
+  std::vector<std::size_t> piece(weight.size());
+  std::iota(piece.begin(), piece.end(), std::size_t{0});
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Flow& e : edges) {
+      if (piece[idx(e.to)] >= piece[idx(e.from)]) continue;
+      piece[idx(e.from)] = piece[idx(e.to)];
+      changed = true;
+    }
+  }
+  std::vector<double> sum(weight.size(), 0), count(weight.size(), 0), out(weight.size());
+  for (std::size_t p = 0; p < weight.size(); ++p) {
+    sum[piece[p]] += static_cast<double>(weight[p]);
+    count[piece[p]] += 1;
+  }
+  for (std::size_t p = 0; p < weight.size(); ++p)
+    out[p] = static_cast<double>(weight[p]) - sum[piece[p]] / count[piece[p]];
+  return out;
+}
+
+/// Collective. What this rank's nodes shall take from part to part: of each flow the share of its contact. Ascending.
+std::vector<Flow> plan_flows(const Comm& comm, const Graph& g, const Parts& part,
+                             const std::vector<std::int64_t>& weight) {
+  std::vector<Flow> mine = local_contacts(g, part);
+  std::vector<Flow> all = comm.all_gather(mine);
+  add_up(all);
+  const auto potential = solve(all, surplus(all, weight));
+  for (Flow& f : mine) {
+    const double drop = potential[idx(f.from)] - potential[idx(f.to)];
+    f.work = std::max(0.0, drop * f.contact);  // the whole flow is drop * whole contact
+  }
+  return mine;
+}
+
+/// Takes nodes from part to part until the flows are used up.
+class Transfer {
+ public:
+  Transfer(const Graph& g, Parts& part, std::vector<Flow>& flows)
+      : g_(g), part_(part), flows_(flows), queue_(g.nodes()), moved_(g.nodes(), 0) {}
+
+  void run() {
+    for (const NodeId v : IdRange<NodeId>(g_.nodes())) enqueue(v);
+    for (;;) {
+      const auto [v, expected] = queue_.pop();
+      if (v == kNoNode) break;
+      const Choice c = choose(v);
+      if (c.flow == nullptr) continue;
+      if (GainQueue::clamp(c.gain) < expected) {
+        queue_.push(v, c.gain);
+        continue;
+      }
+      c.flow->work -= static_cast<double>(g_.weight[v]);
+      part_[v] = c.flow->to;
+      moved_[v] = 1;
+      for (const Edge& e : g_.edges(v)) {
+        if (idx(e.to) >= g_.nodes() || moved_[e.to] != 0) continue;
+        if (queue_.has(e.to)) queue_.remove(e.to);
+        enqueue(e.to);
+      }
+    }
+  }
+
+ private:
+  struct Choice {
+    Flow* flow = nullptr;
+    std::int64_t gain = 0;
+  };
+  /// The flow that v would shorten the interface most with.
+  Choice choose(NodeId v) {
+    Choice best;
+    std::int64_t inner = 0;
+    for (const Edge& e : g_.edges(v)) inner += part_[e.to] == part_[v] ? e.weight : 0;
+    for (const Edge& e : g_.edges(v)) {
+      if (part_[e.to] == part_[v]) continue;
+      Flow* f = find(part_[v], part_[e.to]);
+      // The last one only if that comes nearer to the wanted sum.
+      if (f == nullptr || f->work <= 0 || static_cast<double>(g_.weight[v]) > 2 * f->work) continue;
+      std::int64_t contact = 0;
+      for (const Edge& o : g_.edges(v)) contact += part_[o.to] == part_[e.to] ? o.weight : 0;
+      if (best.flow == nullptr || contact - inner > best.gain) best = {f, contact - inner};
+    }
+    return best;
+  }
+  Flow* find(Rank from, Rank to) {
+    const auto it = std::lower_bound(flows_.begin(), flows_.end(), Flow{from, to, 0, 0}, before);
+    return it != flows_.end() && it->from == from && it->to == to ? &*it : nullptr;
+  }
+  void enqueue(NodeId v) {
+    const Choice c = choose(v);
+    if (c.flow != nullptr) queue_.push(v, c.gain);
+  }
+
+  const Graph& g_;
+  Parts& part_;
+  std::vector<Flow>& flows_;
+  GainQueue queue_;
+  IdVector<NodeId, char> moved_;
+};
+
+/// Collective. A first node for each rank that has none, from the rank with the most work for each that it has to feed.
+void seed_empty(const Comm& comm, const Graph& g, const std::vector<std::int64_t>& weight, Parts& part) {
+  const auto nodes = comm.all_gather(static_cast<std::int64_t>(g.nodes()));
+  std::vector<std::int64_t> fed(nodes.size(), 0);
+  std::vector<Rank> mine;  // whom this rank feeds
+  for (std::size_t p = 0; p < nodes.size(); ++p) {
+    if (nodes[p] > 0) continue;
+    std::size_t donor = nodes.size();
+    for (std::size_t d = 0; d < nodes.size(); ++d) {
+      if (nodes[d] <= fed[d] + 1) continue;  // has to keep one
+      if (donor == nodes.size() || weight[d] / (fed[d] + 1) > weight[donor] / (fed[donor] + 1)) donor = d;
+    }
+    if (donor == nodes.size()) return;  // fewer tetrahedra than ranks
+    ++fed[donor];
+    if (idx(comm.rank()) == donor) mine.push_back(to_id<Rank>(p));
+  }
+  for (std::size_t i = 0; i < mine.size(); ++i) part[to_id<NodeId>(g.nodes() * i / mine.size())] = mine[i];
+}
+
+/// Collective. The work of each part.
+std::vector<std::int64_t> weigh(const Comm& comm, const Graph& g, const Parts& part) {
+  std::vector<std::int64_t> weight(static_cast<std::size_t>(comm.size()), 0);
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) weight[idx(part[v])] += g.weight[v];
+  comm.reduce(std::span<std::int64_t>(weight), Op::kSum);
+  return weight;
+}
+
+}  // namespace
+
+IdVector<TetId, Rank> rebalance(const Comm& comm, const DistMesh& dist, std::span<const double> work,
+                                double imbalance) {
+  const DistGraph d = dual_graph(comm, dist, work);
+  const Graph& g = d.graph;
+  const std::size_t n = g.nodes();
+  Parts part(n, comm.rank());
+  auto weight = weigh(comm, g, part);
+  const double mean = static_cast<double>(std::accumulate(weight.begin(), weight.end(), std::int64_t{0})) / comm.size();
+  const std::int64_t heaviest = comm.max(n == 0 ? 0 : *std::max_element(g.weight.begin(), g.weight.end()));
+  const auto capacity =
+      static_cast<std::int64_t>(std::ceil(mean + std::max(imbalance * mean, static_cast<double>(heaviest))));
+  const auto balanced = [&] { return *std::max_element(weight.begin(), weight.end()) <= capacity; };
+  if (balanced()) return IdVector<TetId, Rank>(std::move(part.raw()));
+
+  seed_empty(comm, g, weight, part);
+  constexpr int kRounds = 12;  // each moves work by one part
+  for (int r = 0; r < kRounds && !balanced(); ++r) {
+    part.resize(n);
+    for (const Rank p : d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; })) part.push_back(p);
+    weight = weigh(comm, g, part);
+    std::vector<Flow> flows = plan_flows(comm, g, part, weight);
+    Transfer(g, part, flows).run();
+    weight = weigh(comm, g, part);
+  }
+  part.resize(n);
+  // What was in pieces before is left alone: it would be much to move.
+  constexpr double kStray = 0.01;
+  join_pieces(comm, d, comm.size(), capacity, static_cast<std::int64_t>(kStray * mean), part);
+  return IdVector<TetId, Rank>(std::move(part.raw()));
+}
+
+}  // namespace skein
