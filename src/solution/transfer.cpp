@@ -11,7 +11,8 @@
 namespace skein {
 namespace {
 
-constexpr std::size_t kBoxes = 64;  ///< round each rank's part
+constexpr double kRounding = 1e-12;  ///< of the size of the mesh: a point so near its hull counts as inside
+constexpr std::size_t kBoxes = 64;   ///< round each rank's part
 constexpr std::size_t kChunk =
     2048;  ///< points that a thread takes in a row; the result does not depend on the threads
 
@@ -173,6 +174,24 @@ void Background::ask_nearest(Asking& a) const {
   ask(a, others, who, false);
 }
 
+/// Collective. `away`: points that this rank's own part does not hold.
+TransferReport Background::make_report(const Asking& a, std::int64_t away) const {
+  const Box all = boxes_.level_of_at_most(1)[0];
+  const double rounding = kRounding * norm(all.high - all.low);
+  double farthest2 = 0;
+  std::int64_t outside = 0;
+  for (const std::uint32_t i : a.missing) {
+    farthest2 = std::max(farthest2, a.distance2[i]);
+    outside += a.distance2[i] > rounding * rounding ? 1 : 0;
+  }
+  TransferReport r;
+  r.points = comm_->sum(static_cast<std::int64_t>(a.points.size()));
+  r.remote = comm_->sum(away - static_cast<std::int64_t>(a.missing.size()));
+  r.outside = comm_->sum(outside);
+  r.farthest = std::sqrt(comm_->max(farthest2));
+  return r;
+}
+
 VertexData Background::at(std::span<const Vec3> points, int threads, TransferReport* report) const {
   Asking a{points, threads, {fields_.width, {}}, {}, {}};
   agree(*comm_, [&] {
@@ -193,14 +212,8 @@ VertexData Background::at(std::span<const Vec3> points, int threads, TransferRep
   const auto away = static_cast<std::int64_t>(a.missing.size());
   ask_ranks_inside(a);
   ask_nearest(a);
-  if (report != nullptr) {
-    double farthest2 = 0;
-    for (const std::uint32_t i : a.missing) farthest2 = std::max(farthest2, a.distance2[i]);
-    report->points = comm_->sum(static_cast<std::int64_t>(points.size()));
-    report->outside = comm_->sum(static_cast<std::int64_t>(a.missing.size()));
-    report->remote = comm_->sum(away) - report->outside;
-    report->farthest = std::sqrt(comm_->max(farthest2));
-  }
+  const TransferReport found = make_report(a, away);
+  if (report != nullptr) *report = found;
   return std::move(a.out);
 }
 

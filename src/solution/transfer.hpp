@@ -13,8 +13,8 @@ namespace skein {
 struct TransferReport {
   std::int64_t points = 0;   ///< asked for
   std::int64_t remote = 0;   ///< of these: answered by another rank
-  std::int64_t outside = 0;  ///< of these: not in the old mesh, so taken from its nearest point
-  double farthest = 0;       ///< largest distance of those to the old mesh; length
+  std::int64_t outside = 0;  ///< of these: not in the old mesh (beyond rounding), so taken from its nearest point
+  double farthest = 0;       ///< largest distance of any point to the old mesh; length
 };
 
 /// A mesh with fields at its vertices, kept as it was: each rank keeps its part (coordinates, tetrahedra, fields), and
@@ -40,6 +40,7 @@ class Background {
   void ask_ranks_inside(Asking& a) const;
   void ask_nearest(Asking& a) const;
   void ask(Asking& a, const std::vector<Rank>& dest, const std::vector<std::uint32_t>& who, bool inside) const;
+  [[nodiscard]] TransferReport make_report(const Asking& a, std::int64_t away) const;
   void evaluate(const Place& place, double* out) const noexcept;
 
   const Comm* comm_;

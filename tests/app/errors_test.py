@@ -58,6 +58,9 @@ class Errors(Case):
         self.refused(USAGE, ["--complexity"], "adapt", self.good, "--field", self.metric, "-o", self.path("out.meshb"))
         self.refused(USAGE, ["--wrong"], *self.adapt(), "--wrong")
         self.refused(USAGE, ["--rounds"], *self.adapt(), "--rounds", "many")
+        self.refused(USAGE, ["--gradation"], *self.adapt(), "--gradation", "0.9")
+        self.refused(USAGE, ["--field-out", "--field-in"], *self.adapt(), "--field-out", self.path("f.sol"))
+        self.refused(USAGE, ["--field-in", "--field-out"], *self.adapt(), "--field-in", self.metric)
 
     # inputs
 
@@ -69,6 +72,14 @@ class Errors(Case):
                      ["partition", missing, "--parts", "2"], ["generate", missing, "-o", self.path("out.mesh")]):
             result = run(1, *verb)
             self.judge(result, 1, INPUT, ["missing.meshb"])
+
+    def test_fields_to_carry(self):
+        short = self.path("short.sol")
+        write_solution(short, [(1.0,)] * 7)
+        out = ("--field-out", self.path("f.sol"))
+        self.refused(INPUT, ["short.sol", "7 values", "64 vertices"], *self.adapt(), "--field-in", short, *out)
+        self.refused(INPUT, ["missing.sol", "no such file"], *self.adapt(), "--field-in", self.path("missing.sol"), *out)
+        self.refused(OUTPUT, ["f.txt"], *self.adapt(), "--field-in", self.metric, "--field-out", self.path("f.txt"))
 
     def test_unknown_format(self):
         other = self.path("mesh.stl")

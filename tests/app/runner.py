@@ -96,6 +96,15 @@ def write_solution(path, rows):
         f.write("End\n")
 
 
+def read_rows(path, keyword, width, skip=0):
+    """The rows of numbers of a section of a text file, `skip` numbers behind its count."""
+    with open(path, encoding="ascii") as f:
+        words = f.read().split()
+    at = words.index(keyword)
+    first = at + 2 + skip
+    return [tuple(map(float, words[i:i + width])) for i in range(first, first + width * int(words[at + 1]), width)]
+
+
 def isotropic(h):
     return (h ** -2, 0, h ** -2, 0, 0, h ** -2)
 

@@ -4,7 +4,7 @@ import os
 import unittest
 
 import runner
-from runner import Case, RANKS, run, surface_only, write_mesh, write_solution
+from runner import Case, RANKS, read_rows, run, surface_only, write_mesh, write_solution
 
 
 class Verbs(Case):
@@ -76,6 +76,29 @@ class Verbs(Case):
             with self.subTest(ranks=ranks):
                 self.done(ranks, "adapt", self.good, "--field", field, "--complexity", "60", "-o", out)
                 self.assert_valid_cube(out)
+
+    def test_fields_travel(self):
+        scalar, rest, sizes = self.path("p.sol"), self.path("rest.sol"), self.path("h.sol")
+        write_solution(scalar, [(1 + x - 2 * y + 3 * z,) for x, y, z in self.verts])
+        write_solution(rest, [(x, y, z, x + y, y + z, 1) for x, y, z in self.verts])
+        write_solution(sizes, [(0.1 if x == 0 else 0.5,) for x, _, _ in self.verts])
+        mesh, out = self.path("f.mesh"), self.path("f.sol")
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                result = self.done(ranks, "adapt", self.good, "--size", sizes, "-o", mesh, "--field-in", scalar,
+                                   "--field-in", rest, "--field-out", out)
+                self.assertIn("gradation: stricter at", result.out)
+                self.assertIn("transfer fields", result.out)
+                places, values = read_rows(mesh, "Vertices", 4), read_rows(out, "SolAtVertices", 7, skip=3)
+                self.assertEqual(len(places), len(values))
+                for (x, y, z, _), row in zip(places, values):
+                    expected = (1 + x - 2 * y + 3 * z, x, y, z, x + y, y + z, 1)
+                    for a, b in zip(row, expected):
+                        self.assertAlmostEqual(a, b, delta=1e-13)
+        vtu = self.path("f.vtu")
+        self.done(1, "adapt", self.good, "--size", sizes, "--gradation", "0", "-o", vtu, "--field-in", scalar)
+        with open(vtu, "rb") as f:
+            self.assertIn(b'Name="p"', f.read(2000))
 
     def test_generate(self):
         surface, sources, out = self.path("s.mesh"), self.path("s.toml"), self.path("g.meshb")
