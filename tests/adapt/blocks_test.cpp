@@ -1,0 +1,160 @@
+// Blocks of threads: cutting and joining gives the mesh that was.
+#include "adapt/blocks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "mesh/adjacency.hpp"
+#include "mesh/check.hpp"
+#include "tests/kernel/metrics.hpp"
+#include "tests/mesh/meshes.hpp"
+
+namespace skein::test {
+namespace {
+
+using Items = std::multiset<std::vector<double>>;
+
+void put(std::vector<double>& item, const TetMesh& m, const MetricField& f, VertId v) {
+  const Vec3 x = m.coords[v];
+  const SymTensor& l = f.log_at[v];
+  item.insert(item.end(),
+              {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(m.vert_flags[v]), double(m.vert_ref[v])});
+}
+/// The whole mesh by coordinates: tetrahedra with all that is at them, feature edges.
+Items content(const TetMesh& m, const MetricField& f) {
+  Items out;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    std::vector<double> item{double(m.tet_ref[t])};
+    for (std::size_t i = 0; i < 4; ++i) {
+      put(item, m, f, m.tet2vert[t][i]);
+      item.push_back(m.face_tag[t][i]);
+    }
+    out.insert(item);
+  }
+  for (const auto& e : m.features.list()) {
+    std::vector<double> a, b;
+    put(a, m, f, e.a);
+    put(b, m, f, e.b);
+    if (b < a) std::swap(a, b);
+    a.insert(a.end(), b.begin(), b.end());
+    a.insert(a.end(), {double(e.ref), double(e.ridge)});
+    out.insert(a);
+  }
+  return out;
+}
+
+struct Whole {
+  TetMesh mesh;
+  MetricField metric;
+};
+Whole whole(unsigned seed, bool regions = true) {
+  std::mt19937 random(seed);
+  Whole w;
+  w.mesh = make_mesh({.n = 6, .two_regions = regions, .required = true, .perturb = 0.2, .seed = seed});
+  compact(w.mesh);
+  // As between ranks: some vertices are frozen already.
+  for (const VertId v : IdRange<VertId>(w.mesh.vert_slots())) {
+    if (w.mesh.coords[v].y == 0) w.mesh.vert_flags[v] |= kFrozen;
+  }
+  w.metric = metric_field(w.mesh.coords, random_smooth_metric(random, 0.1, 0.3, 1));
+  return w;
+}
+
+std::vector<Block> cut(const Whole& w, const BlockLabels& label, int blocks) {
+  const auto between = between_blocks(w.mesh, label);
+  std::vector<Block> out;
+  for (int b = 0; b < blocks; ++b) out.push_back(cut_block(w.mesh, w.metric, label, between, b));
+  return out;
+}
+
+/// What adapt_part would be followed by, had it changed nothing.
+void seal(std::vector<Block>& blocks) {
+  for (Block& b : blocks) {
+    IdVector<VertId, VertId> same(b.part.mesh.vert_slots());
+    for (const VertId v : IdRange<VertId>(same.size())) same[v] = v;
+    renumber_common(b, same);
+  }
+}
+
+class Blocks : public ::testing::TestWithParam<int> {};
+
+TEST_P(Blocks, CutAndMergedAreTheMeshAgain) {
+  const int blocks = GetParam();
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Whole w = whole(seed);
+    BlockLabels label = cut_blocks(w.mesh, w.metric, blocks);
+    std::mt19937 random(seed);
+    if (seed == 3) {  // any cut will do
+      for (auto& l : label) l = static_cast<std::int32_t>(random() % static_cast<unsigned>(blocks));
+    }
+    auto parts = cut(w, label, blocks);
+    for (const Block& b : parts) ASSERT_EQ(check(b.part.mesh), "");
+    seal(parts);
+    const Merged merged = merge_blocks(parts, w.mesh.vert_slots());
+    ASSERT_EQ(check(merged.mesh), "");
+    EXPECT_EQ(content(merged.mesh, merged.metric), content(w.mesh, w.metric));
+    EXPECT_EQ(merged.mesh.vert_slots(), w.mesh.vert_slots());
+    EXPECT_EQ(merged.mesh.patch_ref, w.mesh.patch_ref);
+    EXPECT_TRUE(interface_faces(merged.mesh).empty());
+    for (const VertId v : IdRange<VertId>(w.mesh.vert_slots())) {
+      ASSERT_EQ(merged.old2new[v] != kNoVert, w.mesh.has(v, kFrozen));
+      EXPECT_TRUE(merged.old2new[v] == kNoVert || merged.mesh.coords[merged.old2new[v]] == w.mesh.coords[v]);
+    }
+  }
+}
+
+TEST_P(Blocks, WithRefinedInterfacesTheyFitTogether) {
+  const int blocks = GetParam();
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Whole w = whole(seed);
+    const Measures before = measure(w.mesh);
+    auto parts = cut(w, cut_blocks(w.mesh, w.metric, blocks), blocks);
+    for (Block& b : parts) {
+      prepare(b.part);
+      ASSERT_TRUE(refine_block_interface(b));
+    }
+    seal(parts);
+    const Merged merged = merge_blocks(parts, w.mesh.vert_slots());
+    ASSERT_EQ(check(merged.mesh), "");
+    EXPECT_TRUE(interface_faces(merged.mesh).empty());
+    EXPECT_EQ(differ(before, measure(merged.mesh), 1e-12), "");
+  }
+}
+
+TEST_P(Blocks, HaveEqualWorkAndMove) {
+  const int blocks = GetParam();
+  const Whole w = whole(1, false);
+  const auto label = cut_blocks(w.mesh, w.metric, blocks);
+  std::vector<double> work(static_cast<std::size_t>(blocks), 0);
+  double all = 0;
+  for (const TetId t : IdRange<TetId>(w.mesh.tet_slots())) {
+    double density = 0;
+    for (const VertId v : w.mesh.tet2vert[t]) density += w.metric.at[v].sqrt_det / 4;
+    const double one = 1 + 10 * density * volume6(w.mesh, t) / 6;
+    work[static_cast<std::size_t>(label[t])] += one;
+    all += one;
+  }
+  for (const double part : work) EXPECT_NEAR(part, all / blocks, 0.02 * all);
+  // What was between blocks, apart from where three meet, is inside one after the move.
+  const auto old = between_blocks(w.mesh, label);
+  const auto moved = displace_blocks(w.mesh, label, blocks, 1, 1);
+  const auto now = between_blocks(w.mesh, moved);
+  std::size_t was = 0, still = 0;
+  for (const VertId v : IdRange<VertId>(w.mesh.vert_slots())) {
+    was += old[v] != 0;
+    still += old[v] != 0 && now[v] != 0;
+  }
+  if (blocks == 2) {
+    EXPECT_EQ(still, 0u) << was;
+  } else {
+    EXPECT_LT(still, was);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Counts, Blocks, ::testing::Values(2, 3, 4, 7));
+
+}  // namespace
+}  // namespace skein::test

@@ -1,0 +1,136 @@
+// adapt_local: one rank's mesh by several threads.
+#include "adapt/local.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "mesh/adjacency.hpp"
+#include "mesh/check.hpp"
+#include "tests/kernel/metrics.hpp"
+#include "tests/mesh/meshes.hpp"
+
+namespace skein::test {
+namespace {
+
+struct Outcome {
+  TetMesh mesh;
+  MetricField metric;
+  LocalResult result;
+  Measures before;
+};
+
+SmoothMetric layered() {
+  SmoothMetric m;
+  m.size = {0.05, 0.11, 0.11};
+  m.slope = {Vec3{1, 0, 0}, Vec3{0, 0.5, 0}, Vec3{}};
+  m.turn = {0.4, 0.3, 0};
+  return m;
+}
+
+/// A mesh large enough that threads get to work.
+Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = false) {
+  Outcome r;
+  r.mesh = make_mesh({.n = 12, .shape = shape, .two_regions = regions, .perturb = 0.2});
+  for (const VertId v : IdRange<VertId>(r.mesh.vert_slots())) {
+    if (frozen && r.mesh.coords[v].z == 0) r.mesh.vert_flags[v] |= kFrozen;
+  }
+  compact(r.mesh);
+  r.metric = metric_field(r.mesh.coords, layered());
+  r.before = measure(r.mesh);
+  LocalOptions options;
+  options.threads = threads;
+  r.result = adapt_local(r.mesh, r.metric, options);
+  return r;
+}
+
+struct Fit {
+  double unit_share = 0, worst = 1, mean = 0;
+};
+Fit fit(const Outcome& r) {
+  Fit out;
+  std::set<std::pair<VertId, VertId>> edges;
+  for (const TetId t : IdRange<TetId>(r.mesh.tet_slots())) {
+    const auto& v = r.mesh.tet2vert[t];
+    const auto x = [&](std::size_t i) { return r.mesh.coords[v[i]]; };
+    const auto m = [&](std::size_t i) -> const VertMetric& { return r.metric.at[v[i]]; };
+    const double q = quality(quality_cubed(x(0), x(1), x(2), x(3), m(0), m(1), m(2), m(3)));
+    out.worst = std::min(out.worst, q);
+    out.mean += q / static_cast<double>(r.mesh.tet_slots());
+    for (const auto& e : kEdgeVerts) {
+      edges.insert(std::minmax(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]));
+    }
+  }
+  std::size_t unit = 0;
+  for (const auto& [a, b] : edges) {
+    const double l = edge_length(r.metric, a, b, r.mesh.coords[a], r.mesh.coords[b]);
+    unit += l > std::sqrt(0.5) && l < std::sqrt(2.0);
+  }
+  out.unit_share = 100.0 * static_cast<double>(unit) / static_cast<double>(edges.size());
+  return out;
+}
+
+class Threads : public ::testing::TestWithParam<int> {};
+
+TEST_P(Threads, GiveAValidMeshThatFits) {
+  const Fit alone = fit(run(1, false));
+  for (const bool regions : {false, true}) {
+    const Outcome r = run(GetParam(), regions);
+    ASSERT_EQ(check(r.mesh), "");
+    EXPECT_TRUE(interface_faces(r.mesh).empty());
+    EXPECT_EQ(differ(r.before, measure(r.mesh), 1e-12), "");
+    EXPECT_EQ(r.metric.size(), r.mesh.vert_slots());
+    EXPECT_EQ(count_tets(r.mesh), r.mesh.tet_slots());
+    const Fit f = fit(r);
+    EXPECT_GE(f.unit_share, 90);
+    EXPECT_GE(f.worst, 0.1);
+    if (regions) continue;
+    EXPECT_GE(f.unit_share, alone.unit_share - 2);
+    EXPECT_GE(f.mean, alone.mean - 0.02);
+  }
+}
+
+TEST_P(Threads, GiveTheSameBytesAgain) {
+  const Outcome a = run(GetParam(), true), b = run(GetParam(), true);
+  EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
+  EXPECT_EQ(a.mesh.tet2face, b.mesh.tet2face);
+  EXPECT_EQ(a.mesh.face_tag, b.mesh.face_tag);
+  EXPECT_EQ(a.mesh.coords, b.mesh.coords);
+  EXPECT_EQ(a.mesh.vert_flags, b.mesh.vert_flags);
+  EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+}
+
+TEST_P(Threads, LeaveFrozenVerticesAndTellTheirNumbers) {
+  const TetMesh before = [] {
+    TetMesh m = make_mesh({.n = 12, .perturb = 0.2});
+    compact(m);
+    return m;
+  }();
+  const Outcome r = run(GetParam(), false, Shape::kBox, true);
+  ASSERT_EQ(check(r.mesh), "");
+  ASSERT_EQ(r.result.old2new.size(), before.vert_slots());
+  for (const VertId v : IdRange<VertId>(before.vert_slots())) {
+    const VertId now = r.result.old2new[v];
+    ASSERT_EQ(now != kNoVert, before.coords[v].z == 0);
+    if (now == kNoVert) continue;
+    EXPECT_EQ(r.mesh.coords[now], before.coords[v]);
+    EXPECT_TRUE(r.mesh.has(now, kFrozen));
+  }
+  for (const VertId v : IdRange<VertId>(r.mesh.vert_slots())) {  // and no others
+    EXPECT_TRUE(!r.mesh.has(v, kFrozen) || r.mesh.coords[v].z == 0);
+  }
+}
+
+TEST_P(Threads, KeepCurvedPatches) {
+  const Outcome r = run(GetParam(), false, Shape::kCylinder);
+  ASSERT_EQ(check(r.mesh), "");
+  const Measures after = measure(r.mesh);
+  EXPECT_EQ(after.fixed, r.before.fixed);
+  EXPECT_NEAR(after.volume, r.before.volume, 0.01 * r.before.volume);
+}
+
+INSTANTIATE_TEST_SUITE_P(Counts, Threads, ::testing::Values(1, 2, 3, 4));
+
+}  // namespace
+}  // namespace skein::test
