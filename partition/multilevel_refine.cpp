@@ -5,8 +5,10 @@
 
 namespace skein {
 
-GainQueue::GainQueue(std::size_t nodes)
-    : next_(nodes), prev_(nodes), at_(nodes, -1), head_(static_cast<std::size_t>(2 * kReach + 1), kNoNode) {}
+GainQueue::GainQueue(std::size_t nodes, Order order)
+    : next_(nodes), prev_(nodes), at_(nodes, -1), head_(2 * kReach + 1, kNoNode), order_(order) {
+  if (order == Order::kFirstFirst) tail_.assign(head_.size(), kNoNode);
+}
 
 std::int32_t GainQueue::clamp(std::int64_t gain) noexcept {
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(gain, -kReach, kReach));
@@ -14,23 +16,37 @@ std::int32_t GainQueue::clamp(std::int64_t gain) noexcept {
 
 void GainQueue::push(NodeId v, std::int64_t gain) noexcept {
   const std::int32_t list = clamp(gain) + kReach;
-  NodeId& head = head_[static_cast<std::size_t>(list)];
+  const auto l = static_cast<std::size_t>(list);
   at_[v] = list;
-  next_[v] = head;
-  prev_[v] = kNoNode;
-  if (head != kNoNode) prev_[head] = v;
-  head = v;
   top_ = std::max(top_, list);
   ++size_;
+  NodeId& head = head_[l];
+  if (order_ == Order::kLastFirst || head == kNoNode) {
+    next_[v] = head;
+    prev_[v] = kNoNode;
+    if (head != kNoNode) prev_[head] = v;
+    head = v;
+    if (order_ == Order::kFirstFirst) tail_[l] = v;
+  } else {
+    next_[v] = kNoNode;
+    prev_[v] = tail_[l];
+    next_[tail_[l]] = v;
+    tail_[l] = v;
+  }
 }
 
 void GainQueue::remove(NodeId v) noexcept {
+  const auto l = static_cast<std::size_t>(at_[v]);
   if (prev_[v] != kNoNode) {
     next_[prev_[v]] = next_[v];
   } else {
-    head_[static_cast<std::size_t>(at_[v])] = next_[v];
+    head_[l] = next_[v];
   }
-  if (next_[v] != kNoNode) prev_[next_[v]] = prev_[v];
+  if (next_[v] != kNoNode) {
+    prev_[next_[v]] = prev_[v];
+  } else if (order_ == Order::kFirstFirst) {
+    tail_[l] = prev_[v];
+  }
   at_[v] = -1;
   --size_;
 }

@@ -8,11 +8,12 @@
 
 namespace skein {
 
-/// Nodes ordered by gain: a list per gain, the last one that came is the first to go. Gains beyond +-kReach share the
-/// outermost lists.
+/// Nodes ordered by gain: a list per gain. Of equal ones the last that came is the first to go, which keeps a search in
+/// one place, or the first, so that what grows grows in layers. Gains beyond +-kReach share the outermost lists.
 class GainQueue {
  public:
-  explicit GainQueue(std::size_t nodes);
+  enum class Order { kLastFirst, kFirstFirst };
+  explicit GainQueue(std::size_t nodes, Order order = Order::kLastFirst);
   void push(NodeId v, std::int64_t gain) noexcept;
   void remove(NodeId v) noexcept;
   struct Item {
@@ -27,7 +28,8 @@ class GainQueue {
  private:
   IdVector<NodeId, NodeId> next_, prev_;
   IdVector<NodeId, std::int32_t> at_;  ///< list, or -1
-  std::vector<NodeId> head_;
+  std::vector<NodeId> head_, tail_;
+  Order order_;
   std::int32_t top_ = -1;
   std::size_t size_ = 0;
 };

@@ -9,6 +9,7 @@
 #include "partition/graph.hpp"
 #include "partition/graph_pieces.hpp"
 #include "partition/multilevel_refine.hpp"
+#include "partition/multilevel_turns.hpp"
 
 namespace skein {
 namespace {
@@ -119,7 +120,7 @@ std::vector<Flow> plan_flows(const Comm& comm, const Graph& g, const Parts& part
 class Transfer {
  public:
   Transfer(const Graph& g, Parts& part, std::vector<Flow>& flows)
-      : g_(g), part_(part), flows_(flows), queue_(g.nodes()), moved_(g.nodes(), 0) {}
+      : g_(g), part_(part), flows_(flows), queue_(g.nodes(), GainQueue::Order::kFirstFirst), moved_(g.nodes(), 0) {}
 
   void run() {
     for (const NodeId v : IdRange<NodeId>(g_.nodes())) enqueue(v);
@@ -234,6 +235,7 @@ IdVector<TetId, Rank> rebalance(const Comm& comm, const DistMesh& dist, std::spa
     weight = weigh(comm, g, part);
   }
   part.resize(n);
+  refine_level(comm, d, comm.size(), capacity, part);  // the new interfaces are rough
   // What was in pieces before is left alone: it would be much to move.
   constexpr double kStray = 0.01;
   join_pieces(comm, d, comm.size(), capacity, static_cast<std::int64_t>(kStray * mean), part);

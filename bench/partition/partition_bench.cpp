@@ -10,7 +10,10 @@
 #include "io/mesh_io.hpp"
 #include "partition/distribute.hpp"
 #include "partition/graph.hpp"
+#include "partition/hilbert.hpp"
+#include "partition/migrate.hpp"
 #include "partition/partition.hpp"
+#include "partition/rebalance.hpp"
 
 namespace {
 
@@ -30,14 +33,52 @@ void write_graph(const Comm& comm, const DistMesh& dist, const std::string& path
   std::fclose(out);
 }
 
+/// Balances the ranks' parts when tetrahedra near the middle of the mesh have become `factor` times as much work.
+void balance_ranks(const Comm& comm, DistMesh& dist, double factor) {
+  const std::vector<double> equal(dist.mesh.tet_slots(), 1.0);
+  migrate(comm, dist, partition(comm, dist, equal, comm.size(), PartitionMethod::kMultilevel));
+  const TetMesh& m = dist.mesh;
+  const Box box = global_box(comm, std::span<const Vec3>(m.coords.raw()));
+  const Vec3 middle = 0.5 * (box.low + box.high);
+  std::vector<double> work(m.tet_slots(), 1.0);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    const Vec3 x = m.coords[m.tet2vert[t][0]];
+    if (x.x < middle.x && x.y < middle.y) work[idx(t)] = factor;
+  }
+  const IdVector<TetId, Rank> stay(m.tet_slots(), comm.rank());
+  const PartitionStats before = partition_stats(comm, dist, stay, work, comm.size());
+  const double cpu = cpu_time();
+  const auto dest = rebalance(comm, dist, work);
+  const double cpu_used = comm.sum(cpu_time() - cpu);
+  const PartitionStats after = partition_stats(comm, dist, dest, work, comm.size());
+  double mine = 0, moved = 0;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    mine += work[idx(t)];
+    moved += dest[t] != comm.rank() ? work[idx(t)] : 0;
+  }
+  const double total = comm.sum(mine);
+  const double surplus = comm.sum(std::max(0.0, mine - total / comm.size()));
+  moved = comm.sum(moved);
+  if (!comm.is_root()) return;
+  fmt::print(R"({{"ranks": {}, "tets": {}, "imbalance": [{:.4f}, {:.4f}], "cut": [{}, {}], "components": [{}, {}], )",
+             comm.size(), dist.global_tets, before.imbalance, after.imbalance, before.cut_faces, after.cut_faces,
+             before.components, after.components);
+  fmt::print("\"moved\": {:.4f}, \"surplus\": {:.4f}, \"cpu\": {:.3f}}}\n", moved / total, surplus / total, cpu_used);
+}
+
 int run(const Comm& comm, const std::vector<std::string>& args) {
   if (args.size() < 3) {
-    if (comm.is_root()) fmt::print(stderr, "usage: partition_bench MESH hilbert|multilevel|graph PARTS...|FILE\n");
+    if (comm.is_root())
+      fmt::print(stderr, "usage: partition_bench MESH hilbert|multilevel|graph|rebalance PARTS...|FILE|FACTOR\n");
     return 1;
   }
-  const DistMesh dist = distribute(comm, read_mesh(comm, args[0]));
+  DistMesh dist = distribute(comm, read_mesh(comm, args[0]));
   if (args[1] == "graph") {
     write_graph(comm, dist, args[2]);
+    return 0;
+  }
+  if (args[1] == "rebalance") {
+    balance_ranks(comm, dist, std::atof(args[2].c_str()));
     return 0;
   }
   const auto method = args[1] == "hilbert" ? PartitionMethod::kHilbert : PartitionMethod::kMultilevel;

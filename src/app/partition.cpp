@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <map>
 #include <memory>
 
 #include "app/files.hpp"
@@ -20,7 +19,7 @@ namespace {
 struct Options {
   std::string input, output;
   int parts = 0;
-  PartitionMethod method = PartitionMethod::kMultilevel;
+  std::string method = "multilevel";
   bool json = false;
 };
 
@@ -32,7 +31,8 @@ ExitCode run_partition(const Comm& comm, const Options& o) {
 
   const double begin = wall_time();
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
-  const IdVector<TetId, Rank> part = partition(comm, dist, work, o.parts, o.method);
+  const auto method = o.method == "hilbert" ? PartitionMethod::kHilbert : PartitionMethod::kMultilevel;
+  const IdVector<TetId, Rank> part = partition(comm, dist, work, o.parts, method);
   const double seconds = comm.max(wall_time() - begin);
   const PartitionStats s = partition_stats(comm, dist, part, work, o.parts);
 
@@ -59,11 +59,9 @@ void add_partition(CLI::App& cli, Run& run) {
   CLI::App* verb = cli.add_subcommand("partition", "Cut a mesh into parts of equal size with short interfaces");
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb)")->required();
   verb->add_option("--parts", o->parts, "number of parts")->required()->check(CLI::Range(1, 1 << 20));
-  const std::map<std::string, PartitionMethod> methods{{"hilbert", PartitionMethod::kHilbert},
-                                                       {"multilevel", PartitionMethod::kMultilevel}};
   verb->add_option("--method", o->method, "multilevel: short interfaces; hilbert: pieces of a curve, quick")
-      ->transform(CLI::CheckedTransformer(methods).description("{hilbert,multilevel}"))
-      ->default_str("multilevel");
+      ->check(CLI::IsMember({"multilevel", "hilbert"}))
+      ->capture_default_str();
   verb->add_option("-o,--output", o->output, "the mesh with the part, from 0, as reference of the tetrahedra");
   verb->add_flag("--json", o->json, "print JSON");
   verb->footer("Example: skein partition wing.meshb --parts 16 -o parts.vtu");
