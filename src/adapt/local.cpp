@@ -1,10 +1,9 @@
 // Adapting one rank's mesh with its threads.
 #include "adapt/local.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <exception>
+#include <thread>
 
 #include "adapt/blocks.hpp"
 #include "kernel/passes.hpp"
@@ -70,13 +69,18 @@ constexpr std::size_t to_index(int b) noexcept { return static_cast<std::size_t>
 template <class Work>
 void in_parallel(int threads, Work&& work) {
   std::vector<std::exception_ptr> failed(to_index(threads));
-#pragma omp parallel for num_threads(threads) schedule(static, 1)
-  for (int b = 0; b < threads; ++b) {
+  const auto guarded = [&](int b) noexcept {
     try {
       work(b);
     } catch (...) {
       failed[to_index(b)] = std::current_exception();
     }
+  };
+  // Threads of the standard library, because ThreadSanitizer understands them; a few of them live for seconds each.
+  {
+    std::vector<std::jthread> others;
+    for (int b = 1; b < threads; ++b) others.emplace_back(guarded, b);
+    guarded(0);
   }
   for (const auto& e : failed) {
     if (e) std::rethrow_exception(e);
