@@ -15,8 +15,8 @@
 namespace skein::app {
 namespace {
 
-constexpr int kMostScalings = 20;
-constexpr double kComplexityTolerance = 1e-4;
+constexpr int kMostScalings = 10;
+constexpr double kComplexityTolerance = 1e-3;
 
 /// Throws unless the file has one field of the wanted kind, with a value for every vertex.
 void require_fit(const FieldSlice& f, const MeshSlice& mesh, const MetricOptions& o) {
@@ -131,19 +131,23 @@ GradationReport grade(const Comm& comm, DistMesh& dist, const MetricOptions& o) 
 }
 
 /// Collective. Calls make(c), which sets dist.data to a metric of complexity c and grades it, until what the gradation
-/// adds is made up for and the complexity is o.complexity.
+/// adds is made up for and the complexity is o.complexity (secants of its logarithm over that of c).
 template <class Make>
 GradationReport meet_complexity(const Comm& comm, DistMesh& dist, const MetricOptions& o, Make&& make) {
-  double aim = o.complexity;
-  GradationReport report = make(aim);
-  double last = 0;
+  const double wanted = std::log(o.complexity);
+  double aim = wanted, last_aim = 0, last = 0, slope = 1;
+  GradationReport report = make(o.complexity);
   for (int i = 0; i < kMostScalings && o.gradation > 0; ++i) {
-    const double now = complexity(comm, dist);
-    // Bounds of the sizes may put the complexity out of reach.
-    if (std::abs(now / o.complexity - 1) < kComplexityTolerance || std::abs(now / last - 1) < 1e-9) break;
+    const double now = std::log(complexity(comm, dist));
+    if (std::abs(now - wanted) < kComplexityTolerance) break;
+    if (i > 0) {
+      if (std::abs(now - last) < 1e-9) break;  // bounds of the sizes put it out of reach
+      slope = std::clamp((now - last) / (aim - last_aim), 0.2, 2.0);
+    }
     last = now;
-    aim *= o.complexity / now;
-    report = make(aim);
+    last_aim = aim;
+    aim += (wanted - now) / slope;
+    report = make(std::exp(aim));
   }
   return report;
 }
