@@ -137,7 +137,7 @@ def plot(runs, model, o):
         print("\nno plot: gnuplot is missing (Debian: gnuplot-nox)")
         return
     script = ["set terminal svg size 1000,480 font 'sans,12'", f"set output '{o.out / 'scaling.svg'}'",
-              "set multiplot layout 1,2", "set logscale xy 2", "set grid", "set key bottom left", "set xlabel 'ranks'",
+              "set multiplot layout 1,2", "set logscale xy 2", "set grid", "set key below", "set xlabel 'ranks'",
               "set ylabel 'seconds'"]
     blocks = []
     for kind in ("strong", "weak"):
@@ -157,8 +157,8 @@ def plot(runs, model, o):
                    f"plot {name} using 1:2 with linespoints title 'CPU of the slowest rank', "
                    f"{name} using 1:3 with linespoints title 'of it round 1', "
                    f"{name} using 1:5 with points pt 6 title 'with network', "
-                   f"{name} using 1:6 with lines dt 3 title 'model', "
-                   f"{name} using 1:4 with lines dt 2 title 'ideal'"]
+                   f"{name} using 1:6 with lines dt 3 lc rgb '#555555' title 'model', "
+                   f"{name} using 1:4 with lines dt 2 lc rgb '#999999' title 'ideal'"]
     path = o.out / "scaling.gnuplot"
     path.write_text("\n".join(["set datafile missing '?'"] + blocks + script) + "\n")
     cases.subprocess.run(["gnuplot", str(path)], check=True)
