@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <thread>
+#include <vector>
 
 #include "partition/rendezvous.hpp"
 
@@ -28,17 +29,23 @@ std::vector<std::uint32_t> space_order(std::span<const Vec3> points) {
   return order;
 }
 
-/// Calls take(i, place or null) for points[order(i)], i = 0 .. n-1.
+/// Calls take(i, place or null) for point(i), i = 0 .. n-1, in `threads` threads. @pre point and take do not throw.
 template <class Point, class Take>
 void find_all(const TetLocator& locator, std::size_t n, int threads, Point&& point, Take&& take) {
-  const auto chunks = static_cast<std::int64_t>((n + kChunk - 1) / kChunk);
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (std::int64_t c = 0; c < chunks; ++c) {
-    const std::size_t first = static_cast<std::size_t>(c) * kChunk, last = std::min(n, first + kChunk);
-    TetId hint = kNoTet;
-    Place place;
-    for (std::size_t i = first; i < last; ++i) take(i, locator.find(point(i), hint, place) ? &place : nullptr);
-  }
+  const std::size_t chunks = (n + kChunk - 1) / kChunk;
+  const std::size_t workers =
+      std::clamp(static_cast<std::size_t>(threads), std::size_t{1}, std::max(chunks, std::size_t{1}));
+  const auto run = [&](std::size_t worker) {
+    for (std::size_t c = chunks * worker / workers; c < chunks * (worker + 1) / workers; ++c) {
+      TetId hint = kNoTet;
+      Place place;
+      for (std::size_t i = c * kChunk; i < std::min(n, (c + 1) * kChunk); ++i)
+        take(i, locator.find(point(i), hint, place) ? &place : nullptr);
+    }
+  };
+  std::vector<std::jthread> others;
+  for (std::size_t w = 1; w < workers; ++w) others.emplace_back(run, w);
+  run(0);
 }
 
 struct Question {
