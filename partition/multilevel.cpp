@@ -48,11 +48,11 @@ Cost refine_cut(const Graph& g, int parts, std::int64_t capacity, Parts& part) {
   return cost;
 }
 
-/// The best of several cuts by bisection. With few parts their cost is small, and luck in the first cuts counts more.
+/// The best of several cuts by bisection. With few parts they cost little, and luck in the first cuts counts more.
 Parts cut_coarse_graph(const Graph& g, int parts, std::int64_t capacity, std::uint64_t seed) {
   Cost best;
   Parts part;
-  const std::uint64_t trials = parts < 16 ? 3 : 2;
+  const std::uint64_t trials = parts < 16 ? 3 : 1;
   for (std::uint64_t i = 0; i < trials; ++i) {
     Parts trial = bisect_recursively(g, parts, capacity, mix(seed * trials + i));
     const Cost cost = refine_cut(g, parts, capacity, trial);

@@ -12,7 +12,7 @@ namespace skein {
 struct MultilevelOptions {
   double imbalance = 0.03;  ///< a part may have this much more than the mean work, or the heaviest tetrahedron more
   /// What it costs to cut a face: one number >= 1 per FaceId (4 per tetrahedron), empty: 1 everywhere. Of the two sides
-  /// of a face the larger number counts. At most 10000, so that sums fit.
+  /// of a face the larger number counts. At most 1000, so that sums fit.
   std::span<const std::int32_t> face_weight = {};
 };
 

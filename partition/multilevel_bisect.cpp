@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSmallest = 160;  ///< nodes of the coarsest graph
 constexpr int kStarts = 8;              ///< places where a part starts to grow
-constexpr int kPasses = 4;
+constexpr int kPasses = 3;
 
 struct Halves {
   std::array<std::int64_t, 2> target{}, capacity{};
