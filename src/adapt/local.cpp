@@ -8,6 +8,8 @@
 #include "adapt/blocks.hpp"
 #include "kernel/passes.hpp"
 #include "mesh/adjacency.hpp"
+#include "mesh/assert.hpp"
+#include "mesh/check.hpp"
 
 namespace skein {
 namespace {
@@ -20,7 +22,9 @@ IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
   part.spacing = o.spacing;
   prepare(part);
-  return adapt_part(part);
+  auto old2new = adapt_part(part);
+  SKEIN_ASSERT_NO_FAULT_AT(3, check(part.mesh));
+  return old2new;
 }
 
 template <class Id, class T>
