@@ -29,10 +29,15 @@ SmoothMetric layered() {
   return m;
 }
 
-/// A mesh large enough that threads get to work.
+/// A mesh large enough that threads get to work: 2,000 tetrahedra each, in builds for debugging for two of them.
+#ifdef __OPTIMIZE__
+constexpr int kCells = 12;
+#else
+constexpr int kCells = 9;
+#endif
 Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = false) {
   Outcome r;
-  r.mesh = make_mesh({.n = 12, .shape = shape, .two_regions = regions, .perturb = 0.2});
+  r.mesh = make_mesh({.n = kCells, .shape = shape, .two_regions = regions, .perturb = 0.2});
   for (const VertId v : IdRange<VertId>(r.mesh.vert_slots())) {
     if (frozen && r.mesh.coords[v].z == 0) r.mesh.vert_flags[v] |= kFrozen;
   }
@@ -103,7 +108,7 @@ TEST_P(Threads, GiveTheSameBytesAgain) {
 
 TEST_P(Threads, LeaveFrozenVerticesAndTellTheirNumbers) {
   const TetMesh before = [] {
-    TetMesh m = make_mesh({.n = 12, .perturb = 0.2});
+    TetMesh m = make_mesh({.n = kCells, .perturb = 0.2});
     compact(m);
     return m;
   }();
