@@ -11,7 +11,8 @@ measured runs with more than one rank, as a sum of terms that are not negative,
     cpu of the rounds    N/P (volume of a part), (N/P)^(2/3) (its interface)
     cpu of the rest      the same, and P (what grows with the ranks)
     bytes                the same three
-    memory               the same three, and 1 (a process that does nothing)
+    memory               N/P, (N/P)^(2/3), 1 (a process that does nothing); what grows with the ranks of one machine
+                         is shared memory of MPI's
     messages             1 (neighbours), P (directories that every rank talks to)
     collectives          1, P
 
@@ -25,7 +26,7 @@ ZERO = lambda n, p: 0.0  # the place of the term in P where there is none
 VOLUME = [lambda n, p: n / p, lambda n, p: (n / p) ** (2 / 3), lambda n, p: float(p)]
 KERNEL = VOLUME[:2] + [ZERO]
 COUNT = [lambda n, p: 1.0, lambda n, p: float(p)]
-MEMORY = [lambda n, p: 1.0] + VOLUME
+MEMORY = [lambda n, p: 1.0] + VOLUME[:2]
 QUANTITIES = {"cpu": VOLUME, "bytes": VOLUME, "messages": COUNT, "collectives": COUNT}
 GROUPS = ("first round", "later rounds", "partition", "other")
 
