@@ -62,8 +62,8 @@ void each(benchmark::State& state, Use&& use) {
   for (auto _ : state) {
     for (std::size_t i = 0; i < l.x.size(); ++i) benchmark::DoNotOptimize(use(l.x[i], l.m[i]));
   }
-  state.counters["ns_per_op"] =
-      benchmark::Counter(1e-9 * static_cast<double>(state.iterations() * static_cast<std::int64_t>(l.x.size())),
+  state.counters["time_per_op"] =
+      benchmark::Counter(static_cast<double>(state.iterations() * static_cast<std::int64_t>(l.x.size())),
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
