@@ -64,6 +64,8 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
     data_from_metric(dist, part.metric);
   });
   rebuild_sharing(comm, dist);
+  // A rank may have the middle of an edge's shell only and not know that a new vertex on it is on the surface.
+  merge_vertex_flags(comm, dist);
   renumber_compact(comm, dist);
 }
 

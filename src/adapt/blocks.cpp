@@ -118,13 +118,13 @@ void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector
       p.mesh.vert_ref.push_back(m.vert_ref[v]);
       std::uint8_t flags = m.vert_flags[v];
       if ((flags & kFrozen) != 0) {
+        flags |= kWasFrozen;
         out.frozen.push_back(w);
         out.frozen_of.push_back(v);
       }
       out.id.push_back(GlobalId{num(v)});
       if (between[v] != 0) {
         out.common.push_back(w);
-        if ((flags & kFrozen) != 0) flags |= kWasFrozen;
         flags |= kFrozen;
       }
       p.mesh.vert_flags.push_back(flags);
@@ -246,11 +246,16 @@ class Joiner {
         std::uint8_t flags = m.vert_flags[v];
         if ((flags & kWasFrozen) == 0) flags = static_cast<std::uint8_t>(flags & ~kFrozen);
         merged = append(block.part, v, static_cast<std::uint8_t>(flags & ~kWasFrozen));
+      } else {
+        // A block may have the middle of an edge's shell only and not know that a new vertex on it is on the surface.
+        out_.mesh.vert_flags[merged] |= static_cast<std::uint8_t>(m.vert_flags[v] & ~(kWasFrozen | kFrozen));
       }
       new_of_[v] = merged;
     }
     for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-      if (m.is_live(v) && new_of_[v] == kNoVert) new_of_[v] = append(block.part, v, m.vert_flags[v]);
+      if (m.is_live(v) && new_of_[v] == kNoVert) {
+        new_of_[v] = append(block.part, v, static_cast<std::uint8_t>(m.vert_flags[v] & ~kWasFrozen));
+      }
     }
     for (std::size_t i = 0; i < block.frozen.size(); ++i) out_.old2new[block.frozen_of[i]] = new_of_[block.frozen[i]];
   }

@@ -91,6 +91,14 @@ void in_parallel(int threads, Work&& work) {
   }
 }
 
+/// More than a tenth of the vertices are frozen: a small part inside a refined interface. Cutting that once more gives
+/// blocks that are all interface, whose needles cost more than the threads gain.
+bool mostly_interface(const TetMesh& mesh) {
+  std::size_t frozen = 0;
+  for (const auto f : mesh.vert_flags) frozen += (f & kFrozen) != 0 ? 1 : 0;
+  return 10 * frozen > mesh.vert_slots();
+}
+
 /// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the labels of the result.
 BlockLabels run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
                        LocalResult& result) {
@@ -131,7 +139,7 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
-  if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads)) {
+  if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads) || mostly_interface(mesh)) {
     run_alone(mesh, metric, o, result);
   } else {
     BlockLabels label = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);

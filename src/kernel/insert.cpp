@@ -5,6 +5,7 @@ namespace skein {
 namespace {
 
 constexpr std::size_t kMaxCavity = 96;
+constexpr int kShrinkTurns = 4;
 
 /// Positive when the origin lies inside the circumsphere, in the metric m, of the positively oriented tetrahedron with
 /// vertices a, b, c, d relative to it.
@@ -53,7 +54,8 @@ void Inserter::grow(VertId p) {
 bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
   const TetMesh& m = part_->mesh;
   auto& old = cavity_->old_tets();
-  for (;;) {
+  // A cavity that is still not star-shaped after a few turns is a bad one, and each turn judges all of it again.
+  for (int turn = 0; turn < kShrinkTurns; ++turn) {
     cavity_->clear_new();
     bool shrunk = false;
     for (std::size_t i = 0; i < old.size(); ++i) {
@@ -72,6 +74,7 @@ bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
     }
     if (!shrunk) return true;
   }
+  return false;
 }
 
 bool Inserter::too_close(VertId p, double min_length) {
@@ -81,6 +84,17 @@ bool Inserter::too_close(VertId p, double min_length) {
       if (part_->vert_mark[v] == stamp) continue;
       part_->vert_mark[v] = stamp;
       if (part_->length(p, v) < min_length) return true;
+    }
+  }
+  return false;
+}
+
+bool Inserter::neighbours_too_close(VertId p, double min_length) {
+  const TetMesh& m = part_->mesh;
+  for (const TetId t : cavity_->old_tets()) {
+    for (const FaceId nb : m.tet2face[t]) {
+      if (nb == kNoFace || cavity_->contains(face_tet(nb))) continue;
+      if (part_->length(p, m.tet2vert[face_tet(nb)][static_cast<std::size_t>(face_side(nb))]) < min_length) return true;
     }
   }
   return false;
@@ -117,7 +131,8 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
     while (old.size() > seeds) cavity_->remove_at(old.size() - 1);
     if (!shrink_and_cone(p, seeds, floor_q3) || loses_vertex(p)) return InsertResult::kRefused;
   }
-  if (too_close(p, min_length)) return InsertResult::kTooClose;
+  if (too_close(p, min_length) || (seed_min < kGood && neighbours_too_close(p, min_length)))
+    return InsertResult::kTooClose;
   return InsertResult::kDone;
 }
 

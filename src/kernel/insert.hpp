@@ -28,6 +28,9 @@ class Inserter {
   void grow(VertId p);
   bool shrink_and_cone(VertId p, std::size_t seeds, double floor_q3);
   [[nodiscard]] bool too_close(VertId p, double min_length);
+  /// The same for the vertices behind the cavity's faces: where elements are bad, a near vertex need not be in the
+  /// cavity.
+  [[nodiscard]] bool neighbours_too_close(VertId p, double min_length);
   [[nodiscard]] bool loses_vertex(VertId p);
   [[nodiscard]] bool is_split_face(FaceId f) const noexcept;
   [[nodiscard]] bool is_inner(FaceId f) const noexcept;

@@ -11,9 +11,9 @@ namespace skein {
 /// triangles and the same points. A new vertex gets kFrozen and a global id that is a hash of its edge's two ids, the
 /// same in every part.
 ///
-/// Edges with both ends flagged `keep` stay as they are, those with one are split a few times at most. False when a tetrahedron would be inverted by rounding: the
-/// part is then of no use, and the caller goes back to a copy (on all sides). @pre prepare(part); gid has one id per
-/// vertex.
+/// Edges with both ends flagged `keep` stay as they are, those with one are split a few times at most. False when a
+/// tetrahedron would be inverted by rounding: the part is then of no use, and the caller goes back to a copy (on all
+/// sides). @pre prepare(part); gid has one id per vertex.
 bool refine_interface(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep = 0);
 
 }  // namespace skein

@@ -13,8 +13,12 @@
 namespace skein {
 namespace {
 
-constexpr double kFloor = 0.3 * 0.3 * 0.3;  ///< Q^3 that a collapse of a short edge must leave
-constexpr double kHuntLength = 2;           ///< longest edge that may come of removing a vertex of a bad element
+constexpr double kFloor = 0.3 * 0.3 * 0.3;   ///< Q^3 that a collapse of a short edge must leave
+constexpr double kHuntLength = 2;            ///< longest edge that may come of removing a vertex of a bad element
+constexpr double kNeedle = 0.1 * 0.1 * 0.1;  ///< Q^3 below which an element is swapped before it gets points
+constexpr double kPointsPerComplexity = 1.7;
+constexpr std::int64_t kRunaway =
+    4;  ///< times the expected points: what creates more does not fit its metric and must end
 constexpr int kHuntTurns = 8;
 constexpr double kHuntLong = 1.8, kHuntShort = 0.55;  ///< edges that are hunted
 constexpr double kHuntNewLength = 0.45;               ///< no new point closer than this then
@@ -49,6 +53,8 @@ class Passes {
   template <class Visit>
   void sweep(Pass pass, int sweeps, Visit&& visit);
   bool collapse_in(TetId t, double below, double max_length, double floor_q3);
+  /// Points that a unit mesh of the part would have.
+  [[nodiscard]] std::int64_t expected_points() const;
   bool split_in(TetId t, double above);
   bool centroid_in(TetId t);
   bool swap_in(TetId t);
@@ -167,10 +173,26 @@ bool Passes::centroid_in(TetId t) {
       t, part_.options.split_above);  // the boundary is refined along its edges, and what centroids cannot reach
 }
 
+std::int64_t Passes::expected_points() const {
+  double sum = 0;
+  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
+    if (!part_.mesh.is_live(t)) continue;
+    double density = 0;
+    for (const VertId v : part_.mesh.tet2vert[t]) density += part_.metric.at[v].sqrt_det / 4;
+    sum += density * volume6(part_.mesh, t) / 6;
+  }
+  return static_cast<std::int64_t>(kPointsPerComplexity * sum) + 1000;
+}
+
 std::int64_t Passes::create_points() {
   const std::int64_t before = part_.counts.insert;
-  sweep(kInsertPass, 100,
-        [&](TetId t) { part_.options.centroid_points ? centroid_in(t) : split_in(t, part_.options.split_above); });
+  const std::int64_t enough = before + kRunaway * expected_points();
+  sweep(kInsertPass, 100, [&](TetId t) {
+    if (part_.counts.insert > enough) return;
+    // In needles the distance to what is near cannot be seen from the cavity: better connected first.
+    if (part_.q3[t] < kNeedle && swap_in(t)) return;
+    part_.options.centroid_points ? centroid_in(t) : split_in(t, part_.options.split_above);
+  });
   return part_.counts.insert - before;
 }
 
