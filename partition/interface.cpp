@@ -2,17 +2,46 @@
 #include "partition/interface.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
+#include "mesh/hilbert.hpp"
 #include "partition/rendezvous.hpp"
 #include "partition/sharing.hpp"
 
 namespace skein {
 namespace {
 
-/// The rank in the low bits, above it what orders the ranks in this round; greater than 0.
-std::int64_t priority(Rank r, int round) noexcept {
-  const std::uint64_t h = mix(mix(static_cast<std::uint64_t>(round) + 1) ^ static_cast<std::uint64_t>(num(r)));
+constexpr double kCells = 4;  ///< per axis of the interface's box: regions with an order of ranks of their own
+
+/// The box of all shared vertices of all ranks.
+Box interface_box(const Comm& comm, const DistMesh& dist) {
+  constexpr double kBig = 1e300;
+  std::array<double, 6> low{kBig, kBig, kBig, kBig, kBig, kBig};  // the last three are those of -x
+  for (const VertId v : dist.sharing.vert) {
+    const Vec3 x = dist.mesh.coords[v];
+    const std::array<double, 6> here{x.x, x.y, x.z, -x.x, -x.y, -x.z};
+    for (std::size_t i = 0; i < 6; ++i) low[i] = std::min(low[i], here[i]);
+  }
+  comm.reduce(std::span<double>(low), Op::kMin);
+  return {{low[0], low[1], low[2]}, {-low[3], -low[4], -low[5]}};
+}
+
+/// Number of the cell of x among kCells^3 in the box, the cells being moved with the round.
+std::uint64_t cell_of(Vec3 x, const Box& box, int round) noexcept {
+  const double shift = 0.5 * round;
+  const auto axis = [&](double at, double low, double high) {
+    return high > low ? static_cast<std::uint64_t>(kCells * (at - low) / (high - low) + shift) : 0;
+  };
+  return axis(x.x, box.low.x, box.high.x) << 40 | axis(x.y, box.low.y, box.high.y) << 20 |
+         axis(x.z, box.low.z, box.high.z);
+}
+
+/// The rank in the low bits, above it what orders the ranks in this round and cell; greater than 0. Each cell has its
+/// own order, so that no rank takes all of its neighbours.
+std::int64_t priority(Rank r, int round, std::uint64_t cell) noexcept {
+  const std::uint64_t h =
+      mix(mix(mix(static_cast<std::uint64_t>(round) + 1) ^ cell) ^ static_cast<std::uint64_t>(num(r)));
   return static_cast<std::int64_t>((h >> 34 | 1) << 32) | num(r);
 }
 Rank label_rank(std::int64_t label) noexcept { return to_id<Rank>(label & 0xffffffff); }
@@ -44,7 +73,10 @@ IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist,
   const TetMesh& m = dist.mesh;
   const Halo halo(comm, dist.sharing);
   std::vector<std::int64_t> label(m.vert_slots(), 0);
-  for (const VertId v : dist.sharing.vert) label[idx(v)] = priority(comm.rank(), round);
+  const Box box = interface_box(comm, dist);
+  for (const VertId v : dist.sharing.vert) {
+    label[idx(v)] = priority(comm.rank(), round, cell_of(m.coords[v], box, round));
+  }
   halo.max(std::span<std::int64_t>(label));
   for (int l = 0; l < layers; ++l) spread(dist, halo, label);
   IdVector<TetId, Rank> dest(m.tet_slots(), comm.rank());

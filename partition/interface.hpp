@@ -6,9 +6,10 @@
 namespace skein {
 
 /// Collective. A new rank for each tetrahedron such that the old interfaces become interior: each shared vertex is
-/// given to the one of its ranks that has the highest priority in this round (a hash of rank and round), with all its
-/// tetrahedra and `layers` more layers of tetrahedra. Between two such regions the higher priority wins, so an old
-/// interface vertex stays shared only where such regions meet. Tetrahedra elsewhere stay. @pre layers >= 0.
+/// given to the one of its ranks that has the highest priority there in this round (a hash of rank, round and cell of a
+/// coarse grid), with all its tetrahedra and `layers` more layers of tetrahedra. Between two such regions the higher
+/// priority wins, so an old interface vertex stays shared only where such regions meet. Tetrahedra elsewhere stay. @pre
+/// layers >= 0.
 IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round);
 
 /// Collective. kActive on the vertices within `layers` edges (over all ranks) of the vertices that are shared now;

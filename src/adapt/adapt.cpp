@@ -11,6 +11,7 @@
 #include "mesh/adjacency.hpp"
 #include "partition/interface.hpp"
 #include "partition/migrate.hpp"
+#include "partition/multilevel.hpp"
 #include "partition/partition.hpp"
 #include "partition/reconcile.hpp"
 #include "partition/sharing.hpp"
@@ -18,9 +19,8 @@
 namespace skein {
 namespace {
 
-constexpr int kLayers = 4;        ///< by which interfaces between ranks move
-constexpr int kActiveLayers = 3;  ///< round old interfaces that are worked on again
-constexpr double kImbalance = 0.05;
+constexpr int kLayers = 2;        ///< by which interfaces between ranks move
+constexpr int kActiveLayers = 2;  ///< round old interfaces that are worked on again
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
@@ -84,11 +84,38 @@ OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
   return r.counts;
 }
 
-void balance(const Comm& comm, DistMesh& dist) {
-  const auto work = predicted_work(dist);
-  const double mine = std::accumulate(work.begin(), work.end(), 0.0);
-  const double mean = comm.sum(mine) / comm.size();
-  if (comm.max(mine) > (1 + kImbalance) * mean) migrate(comm, dist, partition(comm, dist, work, comm.size()));
+/// What cutting a face costs: its area in the metric, i.e. about how many faces of the final mesh it stands for.
+std::vector<std::int32_t> face_costs(const DistMesh& dist) {
+  const TetMesh& m = dist.mesh;
+  const MetricField metric = metric_from_data(dist);
+  std::vector<std::int32_t> cost(4 * m.tet_slots(), 1);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (int f = 0; f < 4; ++f) {
+      const auto v = face_verts(m, make_face(t, f));
+      const Vec3 a = m.coords[v[1]] - m.coords[v[0]], b = m.coords[v[2]] - m.coords[v[0]];
+      double area = 0;
+      for (const VertId w : v) {
+        const SymTensor& g = metric.at[w].m;
+        const double ab = dot(a, mul(g, b));
+        area += std::sqrt(std::max(0.0, quad(g, a) * quad(g, b) - ab * ab)) / 6;
+      }
+      cost[idx(make_face(t, f))] = static_cast<std::int32_t>(std::clamp(2 * area, 1.0, 1000.0));
+    }
+  }
+  return cost;
+}
+
+/// Collective. Compact parts of equal predicted work with small interfaces in the final mesh.
+void cut_parts(const Comm& comm, DistMesh& dist) {
+  MultilevelOptions options;
+  std::vector<double> work;
+  std::vector<std::int32_t> cost;
+  agree(comm, [&] {
+    work = predicted_work(dist);
+    cost = face_costs(dist);
+  });
+  options.face_weight = cost;
+  migrate(comm, dist, multilevel_partition(comm, dist, work, comm.size(), options));
 }
 
 }  // namespace
@@ -108,7 +135,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
     log.start(fmt::format("round {}: partition", round + 1));
     if (comm.size() > 1) {
       if (round == 0) {
-        balance(comm, dist);
+        cut_parts(comm, dist);
       } else {
         mark_active_band(comm, dist, kActiveLayers);
         migrate(comm, dist, displace_interface(comm, dist, kLayers, round));
