@@ -60,7 +60,7 @@ std::string create_temporary(const std::string& path, const fs::path& target) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     const std::string tail = attempt == 0 ? "tmp" : fmt::format("{}.tmp", attempt);
     const std::string name = fmt::format(".{}.{}.{}", target.filename().string(), ::getpid(), tail);
-    const std::string temporary = (target.parent_path() / name).string();
+    std::string temporary = (target.parent_path() / name).string();
     const int fd = ::open(temporary.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (fd >= 0) {
       ::close(fd);
