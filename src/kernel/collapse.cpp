@@ -41,7 +41,7 @@ bool Collapser::ridge_allows(VertId v, VertId u) {
       const Vec3 e = part_->x(w) - part_->x(u), d = part_->x(v) - part_->x(u);
       const double l2 = dot(e, e);
       if (!(l2 > 0) || dot(d, e) <= 0 || dot(d, e) >= l2) return false;
-      if (norm(cross(e, d)) > part_->options.surface_deviation * l2) return false;
+      if (norm(cross(e, d)) > part_->options.collapse_deviation * l2) return false;
     }
   }
   return true;
@@ -64,7 +64,7 @@ bool Collapser::surface_allows(VertId v, VertId u) {
     if (!(dot(was, is) > min_dot * lw * li) || !(li > 0)) return false;
     const double height = std::abs(dot(is, xv - xu)) / li;  // of v over the new facet's plane
     const double size = std::max(norm(xx - xu), norm(xy - xu));
-    if (height <= part_->options.surface_deviation * size) near = true;
+    if (height <= part_->options.collapse_deviation * size) near = true;
     if (height > 1e-9 * size) flat = false;
   }
   if (at_edge == 0) return false;  // (v, u) is no edge of the surface

@@ -20,7 +20,8 @@ struct KernelOptions {
   double collapse_below = 0.7071067;  ///< edges shorter than this lose an end
   double length_min_new = 0.6;        ///< no new point closer than this to another
   double surface_angle = 15;          ///< degrees a surface operation may turn a normal of a curved patch
-  double surface_deviation = 0.01;    ///< relative to the edge: how far it may leave the old facets
+  double surface_deviation = 0.01;    ///< relative to the edge: how far a swap may leave the old facets
+  double collapse_deviation = 0.002;  ///< the same for a collapse; smaller, since these add up from pass to pass
 };
 
 /// The kinds of passes, as bits of Part::dirty. A pass looks only at what has changed since it looked last, so that a
