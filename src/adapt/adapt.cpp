@@ -19,8 +19,9 @@
 namespace skein {
 namespace {
 
-constexpr int kLayers = 2;        ///< by which interfaces between ranks move
-constexpr int kActiveLayers = 2;  ///< round old interfaces that are worked on again
+constexpr double kSmallestPart = 8000;  ///< predicted tetrahedra of a part at least
+constexpr int kLayers = 2;              ///< by which interfaces between ranks move
+constexpr int kActiveLayers = 2;        ///< round old interfaces that are worked on again
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
@@ -105,17 +106,28 @@ std::vector<std::int32_t> face_costs(const DistMesh& dist) {
   return cost;
 }
 
-/// Collective. Compact parts of equal predicted work with small interfaces in the final mesh.
-void cut_parts(const Comm& comm, DistMesh& dist) {
-  MultilevelOptions options;
+/// Collective. Compact parts of equal predicted work with small interfaces in the final mesh. Not more of them than
+/// give each a fair piece of the final mesh: small parts are all interface, and what that costs in quality no rank is
+/// worth.
+int cut_parts(const Comm& comm, DistMesh& dist) {
   std::vector<double> work;
   std::vector<std::int32_t> cost;
   agree(comm, [&] {
     work = predicted_work(dist);
     cost = face_costs(dist);
   });
+  const double total = comm.sum(std::accumulate(work.begin(), work.end(), 0.0));
+  const int parts = static_cast<int>(std::clamp(total / kSmallestPart, 1.0, static_cast<double>(comm.size())));
+  MultilevelOptions options;
   options.face_weight = cost;
-  migrate(comm, dist, multilevel_partition(comm, dist, work, comm.size(), options));
+  migrate(comm, dist, multilevel_partition(comm, dist, work, parts, options));
+  return parts;
+}
+
+/// Collective. Gives every rank its share when there were fewer parts than ranks.
+void share_out(const Comm& comm, DistMesh& dist) {
+  const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
+  migrate(comm, dist, partition(comm, dist, work, comm.size()));
 }
 
 }  // namespace
@@ -130,12 +142,13 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
     if (dist.data.width != 6) throw Error(ExitCode::kInternal, "adapt needs the log-metric and nothing else as data");
   });
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
+  int parts = comm.size();
   const int rounds = comm.size() == 1 ? 1 : std::max(1, options.rounds);
   for (int round = 0; round < rounds; ++round) {
     log.start(fmt::format("round {}: partition", round + 1));
     if (comm.size() > 1) {
       if (round == 0) {
-        cut_parts(comm, dist);
+        parts = cut_parts(comm, dist);
       } else {
         mark_active_band(comm, dist, kActiveLayers);
         migrate(comm, dist, displace_interface(comm, dist, kLayers, round));
@@ -157,6 +170,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   }
   log.start("reconcile");
+  if (parts < comm.size()) share_out(comm, dist);
   for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
   reconcile(comm, dist);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
