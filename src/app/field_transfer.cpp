@@ -15,8 +15,6 @@
 namespace skein::app {
 namespace {
 
-constexpr double kImbalance = 0.05;  ///< as adapt() has it, which then moves nothing more
-
 /// Vertex by vertex the numbers of a, then those of b.
 std::vector<double> side_by_side(const std::vector<double>& a, int width_a, const std::vector<double>& b, int width_b) {
   const auto wa = static_cast<std::size_t>(width_a), wb = static_cast<std::size_t>(width_b);
@@ -38,13 +36,6 @@ std::string field_name(const std::string& path, std::size_t i, std::size_t n) {
   std::string stem = path.substr(path.find_last_of('/') + 1);
   stem = stem.substr(0, stem.find_last_of('.'));
   return n == 1 ? stem : fmt::format("{}_{}", stem, i + 1);
-}
-
-void balance(const Comm& comm, DistMesh& dist) {
-  const auto work = predicted_work(dist);
-  const double mine = std::accumulate(work.begin(), work.end(), 0.0);
-  const double mean = comm.sum(mine) / comm.size();
-  if (comm.max(mine) > (1 + kImbalance) * mean) migrate(comm, dist, partition(comm, dist, work, comm.size()));
 }
 
 }  // namespace
@@ -106,10 +97,6 @@ void TravellingFields::take_from(DistMesh& dist, int keep) {
 
 void TravellingFields::keep_mesh(const Comm& comm, DistMesh& dist) {
   if (!any()) return;
-  const int keep = dist.data.width;
-  append(dist.data, values_);
-  balance(comm, dist);
-  take_from(dist, keep);
   old_.emplace(comm, dist, std::move(values_));
 }
 
