@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "mesh/hilbert.hpp"
@@ -12,7 +13,8 @@
 namespace skein {
 namespace {
 
-constexpr double kCells = 4;  ///< per axis of the interface's box: regions with an order of ranks of their own
+constexpr double kMostCells = 4;  ///< per axis of the interface's box: regions with an order of ranks of their own
+constexpr double kCopiesPerCell = 800;  ///< shared vertices, each copy counted, that a cell should have
 
 /// The box of all shared vertices of all ranks.
 Box interface_box(const Comm& comm, const DistMesh& dist) {
@@ -27,11 +29,19 @@ Box interface_box(const Comm& comm, const DistMesh& dist) {
   return {{low[0], low[1], low[2]}, {-low[3], -low[4], -low[5]}};
 }
 
-/// Number of the cell of x among kCells^3 in the box, the cells being moved with the round.
-std::uint64_t cell_of(Vec3 x, const Box& box, int round) noexcept {
+/// Cells per axis of the interface's box, so that a cell has some hundred interface vertices: where cells of different
+/// winners meet, the old interface stays, and that should be little of it.
+int cells_per_axis(const Comm& comm, const DistMesh& dist) {
+  const auto copies = comm.sum(static_cast<double>(dist.sharing.size()));
+  return static_cast<int>(std::clamp(std::sqrt(copies / kCopiesPerCell), 1.0, kMostCells));
+}
+
+/// Number of the cell of x among cells^3 in the box, the cells being moved with the round.
+std::uint64_t cell_of(Vec3 x, const Box& box, int cells, int round) noexcept {
+  if (cells == 1) return 0;
   const double shift = 0.5 * round;
   const auto axis = [&](double at, double low, double high) {
-    return high > low ? static_cast<std::uint64_t>(kCells * (at - low) / (high - low) + shift) : 0;
+    return high > low ? static_cast<std::uint64_t>(cells * (at - low) / (high - low) + shift) : 0;
   };
   return axis(x.x, box.low.x, box.high.x) << 40 | axis(x.y, box.low.y, box.high.y) << 20 |
          axis(x.z, box.low.z, box.high.z);
@@ -74,8 +84,9 @@ IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist,
   const Halo halo(comm, dist.sharing);
   std::vector<std::int64_t> label(m.vert_slots(), 0);
   const Box box = interface_box(comm, dist);
+  const int cells = cells_per_axis(comm, dist);
   for (const VertId v : dist.sharing.vert) {
-    label[idx(v)] = priority(comm.rank(), round, cell_of(m.coords[v], box, round));
+    label[idx(v)] = priority(comm.rank(), round, cell_of(m.coords[v], box, cells, round));
   }
   halo.max(std::span<std::int64_t>(label));
   for (int l = 0; l < layers; ++l) spread(dist, halo, label);
