@@ -27,15 +27,6 @@ IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   return old2new;
 }
 
-template <class Id, class T>
-void permute(IdVector<Id, T>& v, const IdVector<Id, Id>& old2new, std::size_t n) {
-  IdVector<Id, T> out(n);
-  for (const Id i : IdRange<Id>(v.size())) {
-    if (old2new[i] != to_id<Id>(-1)) out[old2new[i]] = v[i];
-  }
-  v = std::move(out);
-}
-
 /// Compacts mesh and metric together; follows the numbers in old2new.
 void compact_all(TetMesh& mesh, MetricField& metric, IdVector<VertId, VertId>& old2new) {
   const auto step = compact(mesh);

@@ -30,17 +30,6 @@ void prepare(Part& p) {
   }
 }
 
-namespace {
-template <class Id, class T>
-void permute(IdVector<Id, T>& v, const IdVector<Id, Id>& old2new, std::size_t n) {
-  IdVector<Id, T> out(n);
-  for (const Id i : IdRange<Id>(v.size())) {
-    if (old2new[i] != to_id<Id>(-1)) out[old2new[i]] = v[i];
-  }
-  v = std::move(out);
-}
-}  // namespace
-
 IdVector<VertId, VertId> compact(Part& p) {
   IdVector<TetId, TetId> tets;
   auto verts = compact(p.mesh, &tets);

@@ -15,4 +15,14 @@ void mark_boundary_vertices(TetMesh& mesh);
 /// (kNoVert for free ones), and old tetrahedron -> new tetrahedron where asked for.
 IdVector<VertId, VertId> compact(TetMesh& mesh, IdVector<TetId, TetId>* tet_old2new = nullptr);
 
+/// Follows a renumbering: v[i] goes to old2new[i], and is dropped where that is none. n: the new size.
+template <class Id, class T>
+void permute(IdVector<Id, T>& v, const IdVector<Id, Id>& old2new, std::size_t n) {
+  IdVector<Id, T> out(n);
+  for (const Id i : IdRange<Id>(v.size())) {
+    if (old2new[i] != to_id<Id>(-1)) out[old2new[i]] = v[i];
+  }
+  v = std::move(out);
+}
+
 }  // namespace skein
