@@ -13,6 +13,7 @@
 #include "partition/migrate.hpp"
 #include "partition/multilevel.hpp"
 #include "partition/partition.hpp"
+#include "partition/rebalance.hpp"
 #include "partition/reconcile.hpp"
 #include "partition/sharing.hpp"
 
@@ -20,6 +21,7 @@ namespace skein {
 namespace {
 
 constexpr double kSmallestPart = 8000;  ///< predicted tetrahedra of a part at least
+constexpr double kImbalance = 0.03;     ///< of the result, in tetrahedra
 constexpr int kLayers = 2;              ///< by which interfaces between ranks move
 constexpr int kActiveLayers = 2;        ///< round old interfaces that are worked on again
 
@@ -124,10 +126,13 @@ int cut_parts(const Comm& comm, DistMesh& dist) {
   return parts;
 }
 
-/// Collective. Gives every rank its share when there were fewer parts than ranks.
-void share_out(const Comm& comm, DistMesh& dist) {
+/// Collective. Equal numbers of tetrahedra for whatever comes next. Displaced interfaces have taken from some ranks and
+/// given to others; ranks that had no part get one.
+void even_out(const Comm& comm, DistMesh& dist, int parts) {
+  if (comm.size() == 1) return;
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
-  migrate(comm, dist, partition(comm, dist, work, comm.size()));
+  migrate(comm, dist,
+          parts < comm.size() ? partition(comm, dist, work, comm.size()) : rebalance(comm, dist, work, kImbalance));
 }
 
 }  // namespace
@@ -169,8 +174,10 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
     number_new_vertices(comm, dist);
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   }
+  log.start("balance");
+  even_out(comm, dist, parts);
+  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   log.start("reconcile");
-  if (parts < comm.size()) share_out(comm, dist);
   for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
   reconcile(comm, dist);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));

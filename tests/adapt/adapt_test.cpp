@@ -196,6 +196,19 @@ TEST_P(Adapt, WorksWithFewerTetrahedraThanRanks) {
   EXPECT_LE(statistics(comm, dist, true).length.max, 4);
 }
 
+TEST(AdaptBalance, GivesEveryRankItsShareOfTheResult) {
+  const Comm& comm = world();
+  const auto graded = [](Vec3 x) { return sizes(0.01 + 0.2 * std::abs(x.x - 0.3), 0.05, 0.05); };
+  DistMesh dist = make(comm, {"graded", 8, false, graded});
+  const Measure before = measure(comm, dist);
+  run(comm, dist, 1);
+  EXPECT_NO_THROW(reconcile(comm, dist));
+  EXPECT_EQ(check(dist.mesh), "");
+  expect_kept(before, measure(comm, dist));
+  const double mean = static_cast<double>(dist.global_tets) / comm.size();
+  EXPECT_LE(static_cast<double>(comm.max(static_cast<std::int64_t>(dist.mesh.tet_slots()))), 1.05 * mean);
+}
+
 INSTANTIATE_TEST_SUITE_P(Threads, Adapt, ::testing::Values(1, 2));
 
 }  // namespace
