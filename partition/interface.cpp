@@ -79,13 +79,15 @@ void spread(const DistMesh& dist, const Halo& halo, std::vector<std::int64_t>& l
 
 }  // namespace
 
-IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round) {
+IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round,
+                                         GlobalId before) {
   const TetMesh& m = dist.mesh;
   const Halo halo(comm, dist.sharing);
   std::vector<std::int64_t> label(m.vert_slots(), 0);
   const Box box = interface_box(comm, dist);
   const int cells = cells_per_axis(comm, dist);
   for (const VertId v : dist.sharing.vert) {
+    if (dist.vert2gid[v] >= before) continue;
     label[idx(v)] = priority(comm.rank(), round, cell_of(m.coords[v], box, cells, round));
   }
   halo.max(std::span<std::int64_t>(label));
@@ -98,28 +100,32 @@ IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist,
   return dest;
 }
 
-void mark_active_band(const Comm& comm, DistMesh& dist, int layers) {
+bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId before) {
   TetMesh& m = dist.mesh;
   const Halo halo(comm, dist.sharing);
   std::vector<std::int64_t> label(m.vert_slots(), 0);
-  for (const VertId v : dist.sharing.vert) label[idx(v)] = 1;
+  std::int64_t any = 0;
+  for (const VertId v : dist.sharing.vert) any |= label[idx(v)] = dist.vert2gid[v] < before ? 1 : 0;
   for (int l = 0; l < layers; ++l) spread(dist, halo, label);
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));
   }
+  return comm.max(any) != 0;
 }
 
-void number_new_vertices(const Comm& comm, DistMesh& dist) {
+GlobalId number_new_vertices(const Comm& comm, DistMesh& dist) {
   std::int64_t top = -1, fresh = 0;
   for (const GlobalId g : dist.vert2gid) {
     top = std::max(top, num(g));
     fresh += g == kNoGlobal ? 1 : 0;
   }
-  std::int64_t next = comm.max(top) + 1 + comm.exclusive_sum(fresh);
+  const std::int64_t first = comm.max(top) + 1;
+  std::int64_t next = first + comm.exclusive_sum(fresh);
   for (auto& g : dist.vert2gid) {
     if (g == kNoGlobal) g = GlobalId{next++};
   }
   count_global(comm, dist);
+  return GlobalId{first};
 }
 
 std::vector<std::int64_t> compact_numbers(const Comm& comm, const DistMesh& dist) {

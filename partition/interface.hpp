@@ -1,24 +1,29 @@
 // Moving the interfaces between rounds, and numbers for what a round has created.
 #pragma once
+#include <limits>
+
 #include "comm/comm.hpp"
 #include "partition/dist_mesh.hpp"
 
 namespace skein {
 
-/// Collective. A new rank for each tetrahedron such that the old interfaces become interior: each shared vertex is
-/// given to the one of its ranks that has the highest priority there in this round (a hash of rank, round and cell of a
-/// coarse grid), with all its tetrahedra and `layers` more layers of tetrahedra. Between two such regions the higher
-/// priority wins, so an old interface vertex stays shared only where such regions meet. Tetrahedra elsewhere stay. @pre
-/// layers >= 0.
-IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round);
+inline constexpr GlobalId kEveryGlobal{std::numeric_limits<std::int64_t>::max()};  ///< above all global ids
 
-/// Collective. kActive on the vertices within `layers` edges (over all ranks) of the vertices that are shared now;
-/// cleared elsewhere.
-void mark_active_band(const Comm& comm, DistMesh& dist, int layers);
+/// Collective. A new rank for each tetrahedron such that old interfaces become interior: each shared vertex with a
+/// global id below `before` is given to the one of its ranks that has the highest priority there in this round (a hash
+/// of rank, round and cell of a coarse grid), with all its tetrahedra and `layers` more layers of tetrahedra. Between
+/// two such regions the higher priority wins, so an old interface vertex stays shared only where such regions meet.
+/// Tetrahedra elsewhere stay. @pre layers >= 0.
+IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round,
+                                         GlobalId before = kEveryGlobal);
+
+/// Collective. kActive on the vertices within `layers` edges (over all ranks) of the vertices that are shared now and
+/// have a global id below `before`; cleared elsewhere. Tells whether there are any on any rank.
+bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId before = kEveryGlobal);
 
 /// Collective. Vertices with kNoGlobal get global ids behind the largest there is: by rank, then local order. Sets the
-/// global counts. @pre no vertex with kNoGlobal is shared.
-void number_new_vertices(const Comm& comm, DistMesh& dist);
+/// global counts. Returns the lowest of the new ids, the same on all ranks. @pre no vertex with kNoGlobal is shared.
+GlobalId number_new_vertices(const Comm& comm, DistMesh& dist);
 
 /// Collective. Makes the global ids 0 .. global_verts-1: by owner (the lowest of its ranks), then local order there.
 void renumber_compact(const Comm& comm, DistMesh& dist);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "adapt/band.hpp"
 #include "adapt/local.hpp"
 #include "kernel/interface.hpp"
 #include "mesh/adjacency.hpp"
@@ -23,7 +24,8 @@ namespace {
 constexpr double kSmallestPart = 8000;  ///< predicted tetrahedra of a part at least
 constexpr double kImbalance = 0.03;     ///< of the result, in tetrahedra
 constexpr int kLayers = 2;              ///< by which interfaces between ranks move
-constexpr int kActiveLayers = 2;        ///< round old interfaces that are worked on again
+constexpr int kActiveLayers = 1;        ///< round old interfaces that are worked on again
+constexpr int kMargin = 2;              ///< layers round these that cavities may reach into
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
@@ -72,7 +74,7 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
   renumber_compact(comm, dist);
 }
 
-/// The local part of a round: the kernel on this rank's mesh. Not collective.
+/// The local part of the first round: the kernel on all of this rank's mesh. Not collective.
 OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
   MetricField metric = metric_from_data(dist);
   const LocalResult r = adapt_local(dist.mesh, metric, options);
@@ -84,6 +86,15 @@ OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
     gid[dist.sharing.vert[i]] = dist.sharing.gid[i];
   }
   dist.vert2gid = std::move(gid);
+  return r.counts;
+}
+
+/// The local part of a later round: the kernel on what is active, and nothing that costs as much as the whole mesh.
+/// Not collective.
+OperationCounts adapt_band(DistMesh& dist, const LocalOptions& options) {
+  Band band = cut_band(dist, kMargin);
+  const LocalResult r = adapt_local(band.mesh, band.metric, options);
+  put_back(dist, band, r.old2new);
   return r.counts;
 }
 
@@ -135,6 +146,34 @@ void even_out(const Comm& comm, DistMesh& dist, int parts) {
           parts < comm.size() ? partition(comm, dist, work, comm.size()) : rebalance(comm, dist, work, kImbalance));
 }
 
+/// Collective. Moves the interfaces for the next round. Vertices of the first interface have numbers below
+/// `never_free` for as long as they have been on one in every round; everywhere else the mesh has been worked on with
+/// nothing frozen. Tells whether any are left; otherwise there is nothing to do.
+bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never_free) {
+  if (!mark_active_band(comm, dist, kActiveLayers, never_free)) return false;
+  migrate(comm, dist, displace_interface(comm, dist, kLayers, round, never_free));
+  return true;
+}
+
+/// Collective. `work` on the rank's mesh as a phase of the log; its new vertices get the numbers from the returned one
+/// on.
+template <class Work>
+GlobalId run_kernel(const Comm& comm, DistMesh& dist, int round, PhaseLog& log, Work&& work) {
+  log.start(fmt::format("round {}: adapt", round + 1));
+  agree(comm, [&] {
+    const double begin = wall_time();
+    const OperationCounts c = work();
+    log.busy(wall_time() - begin);
+    log.count("insert", c.insert);
+    log.count("collapse", c.collapse);
+    log.count("swap", c.swap);
+    log.count("smooth", c.smooth);
+  });
+  const GlobalId first = number_new_vertices(comm, dist);
+  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  return first;
+}
+
 }  // namespace
 
 void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseLog& log) {
@@ -146,41 +185,30 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   agree(comm, [&] {
     if (dist.data.width != 6) throw Error(ExitCode::kInternal, "adapt needs the log-metric and nothing else as data");
   });
+  const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
-  int parts = comm.size();
-  const int rounds = comm.size() == 1 ? 1 : std::max(1, options.rounds);
-  for (int round = 0; round < rounds; ++round) {
+  int parts = 1;
+  log.start("round 1: partition");
+  if (comm.size() > 1) {
+    parts = cut_parts(comm, dist);
+    refine_rank_interface(comm, dist, local);
+  }
+  finish();
+  const GlobalId never_free = run_kernel(comm, dist, 0, log, [&] { return adapt_rank(dist, local); });
+  bool more = parts > 1;
+  for (int round = 1; more && round < options.rounds; ++round) {
     log.start(fmt::format("round {}: partition", round + 1));
-    if (comm.size() > 1) {
-      if (round == 0) {
-        parts = cut_parts(comm, dist);
-      } else {
-        mark_active_band(comm, dist, kActiveLayers);
-        migrate(comm, dist, displace_interface(comm, dist, kLayers, round));
-      }
-      if (round == 0) refine_rank_interface(comm, dist, local);
-    }
-    log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
-    log.start(fmt::format("round {}: adapt", round + 1));
-    agree(comm, [&] {
-      const double begin = wall_time();
-      const OperationCounts c = adapt_rank(dist, local);
-      log.busy(wall_time() - begin);
-      log.count("insert", c.insert);
-      log.count("collapse", c.collapse);
-      log.count("swap", c.swap);
-      log.count("smooth", c.smooth);
-    });
-    number_new_vertices(comm, dist);
-    log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+    more = move_interfaces(comm, dist, round, never_free);
+    finish();
+    if (more) run_kernel(comm, dist, round, log, [&] { return adapt_band(dist, local); });
   }
   log.start("balance");
   even_out(comm, dist, parts);
-  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  finish();
   log.start("reconcile");
   for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
   reconcile(comm, dist);
-  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  finish();
 }
 
 }  // namespace skein

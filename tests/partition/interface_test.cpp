@@ -107,6 +107,26 @@ TEST(Interface, ActiveBandHasItsWidthOnAllRanks) {
   }
 }
 
+TEST(Interface, LeavesWhatHasHigherNumbersAlone) {
+  const Comm& comm = world();
+  DistMesh dist = distribute(comm, slices(comm, cube(6)));
+  const GlobalId before{dist.global_verts / 2};
+  const auto dest = displace_interface(comm, dist, 0, 1, before);
+  IdVector<VertId, char> old(dist.mesh.vert_slots(), 0);
+  std::int64_t seeds = 0;
+  for (const VertId v : dist.sharing.vert) seeds += old[v] = dist.vert2gid[v] < before ? 1 : 0;
+  for (const TetId t : IdRange<TetId>(dest.size())) {
+    const auto& v = dist.mesh.tet2vert[t];
+    if ((old[v[0]] | old[v[1]] | old[v[2]] | old[v[3]]) == 0) {
+      EXPECT_EQ(dest[t], comm.rank());
+    }
+  }
+  EXPECT_EQ(mark_active_band(comm, dist, 0, before), comm.sum(seeds) > 0);
+  for (const VertId v : IdRange<VertId>(old.size())) EXPECT_EQ(dist.mesh.has(v, kActive), old[v] != 0);
+  EXPECT_FALSE(mark_active_band(comm, dist, 1, GlobalId{0}));
+  for (const auto f : dist.mesh.vert_flags) EXPECT_EQ(f & kActive, 0);
+}
+
 TEST(Interface, NewNumbersAreDistinctAndCompactOnesAreDense) {
   const Comm& comm = world();
   DistMesh dist = distribute(comm, slices(comm, cube(4)));

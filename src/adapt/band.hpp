@@ -1,0 +1,31 @@
+// Band: the active tetrahedra of a rank and what lies next to them, cut out of the rank's mesh and put back.
+#pragma once
+#include <vector>
+
+#include "kernel/part.hpp"
+#include "partition/dist_mesh.hpp"
+
+namespace skein {
+
+/// A piece of a rank's mesh, as a mesh of its own. Its vertices that the rest may have, too, are kFrozen.
+struct Band {
+  TetMesh mesh;
+  MetricField metric;
+  std::vector<TetId> tets;            ///< the rank's numbers of its tetrahedra, ascending
+  IdVector<VertId, VertId> to_rank;   ///< the rank's number of each vertex as it was cut
+  std::vector<FaceId> seam;           ///< the rank's faces that look at the band from outside
+  std::vector<FeatureEdge> features;  ///< the rank's feature edges that are edges of the band
+};
+
+/// Cuts out all tetrahedra within `layers` edges of a kActive vertex, in their order. The rank's mesh stays as it is.
+/// The cost is a few looks at each tetrahedron of the rank, and the rest grows with the band only. Not collective.
+/// @pre dist is compact and its data begins with the log-metric.
+Band cut_band(const DistMesh& dist, int layers);
+
+/// Puts an adapted band in the place of the one that was cut. `old2new` follows the band's vertices that were frozen
+/// (adapt_local). Vertices of the rest and frozen ones keep their global ids, all others get kNoGlobal. The result is
+/// compact; numbers that are free are filled from the end, and dist.sharing follows. Not collective.
+/// @pre dist is as it was when the band was cut; the band is compact.
+void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new);
+
+}  // namespace skein

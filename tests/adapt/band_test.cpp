@@ -1,0 +1,96 @@
+// Cutting a band out of a rank's mesh and putting it back: nothing is lost, whatever is done to the band in between.
+#include "adapt/band.hpp"
+
+#include <gtest/gtest.h>
+
+#include "adapt/local.hpp"
+#include "metric/tensor.hpp"
+#include "partition/interface.hpp"
+#include "tests/partition/cube.hpp"
+#include "tests/support/world.hpp"
+
+namespace skein::test {
+namespace {
+
+/// A cube of two regions on all ranks that asks for the edge length h; active where x < 0.4.
+DistMesh make(const Comm& comm, double h) {
+  const MeshSlice file = slices(comm, cube(10, true, true));
+  FieldSlice f;
+  f.path = "cube.sol";
+  f.total = file.total_verts;
+  f.first = file.first_vert;
+  f.kinds = {FieldKind::kTensor};
+  f.width = 6;
+  const double l = -2 * std::log(h);
+  for (std::size_t i = 0; i < file.coords.size(); ++i) f.values.insert(f.values.end(), {l, 0, l, 0, 0, l});
+  DistMesh dist = distribute(comm, file, &f);
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    if (dist.mesh.coords[v].x < 0.4) dist.mesh.vert_flags[v] |= kActive;
+  }
+  return dist;
+}
+
+/// Collective. The corners' coordinates of the tetrahedra at x >= `from`, of all ranks.
+Items tets_beyond(const Comm& comm, DistMesh& dist, double from) {
+  Items out;
+  for (const auto& item : content(comm, to_slices(comm, dist)).tets) {
+    if (item[0] >= from && item[3] >= from && item[6] >= from && item[9] >= from) out.push_back(item);
+  }
+  return out;
+}
+
+TEST(Band, ComesBackAsItWasCut) {
+  const Comm& comm = world();
+  DistMesh dist = make(comm, 0.1);
+  const Content before = content(comm, to_slices(comm, dist));
+  const Band band = cut_band(dist, 1);
+  EXPECT_EQ(check(band.mesh), "");
+  EXPECT_LT(band.mesh.tet_slots(), dist.mesh.tet_slots() + (comm.size() > 1 ? 1 : 0));
+  IdVector<VertId, VertId> old2new(band.mesh.vert_slots(), kNoVert);
+  for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = band.mesh.has(v, kFrozen) ? v : kNoVert;
+  put_back(dist, band, old2new);
+  number_new_vertices(comm, dist);
+  EXPECT_NO_THROW(reconcile(comm, dist));
+  EXPECT_EQ(check(dist.mesh), "");
+  EXPECT_EQ(content(comm, to_slices(comm, dist)), before);
+}
+
+TEST(Band, MayGrowAndShrink) {
+  const Comm& comm = world();
+  for (const double h : {0.04, 0.25}) {
+    SCOPED_TRACE(h);
+    DistMesh dist = make(comm, h);
+    const Measure before = measure(comm, dist);
+    const Items rest = tets_beyond(comm, dist, 0.75);
+    const std::int64_t tets = dist.global_tets;
+    constexpr int kMargin = 2;  // of cells of 0.1: nothing beyond 0.4 + 0.3 belongs to the band
+    Band band = cut_band(dist, kMargin);
+    const LocalResult r = adapt_local(band.mesh, band.metric, {});
+    put_back(dist, band, r.old2new);
+    number_new_vertices(comm, dist);
+    EXPECT_NO_THROW(reconcile(comm, dist));
+    EXPECT_EQ(check(dist.mesh), "");
+    const Measure after = measure(comm, dist);
+    EXPECT_NEAR(after.volume, before.volume, 1e-12);
+    EXPECT_NEAR(after.feature_length, before.feature_length, 1e-11);
+    for (const auto& [ref, area] : before.area) EXPECT_NEAR(after.area.at(ref), area, 1e-11) << "patch " << ref;
+    EXPECT_EQ(tets_beyond(comm, dist, 0.75), rest);
+    EXPECT_EQ(dist.global_tets > tets, h < 0.1);
+  }
+}
+
+TEST(Band, IsEmptyWhereNothingIsActive) {
+  const Comm& comm = world();
+  DistMesh dist = make(comm, 0.1);
+  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
+  const Content before = content(comm, to_slices(comm, dist));
+  Band band = cut_band(dist, 2);
+  EXPECT_EQ(band.mesh.tet_slots(), 0u);
+  const LocalResult r = adapt_local(band.mesh, band.metric, {});
+  put_back(dist, band, r.old2new);
+  EXPECT_NO_THROW(reconcile(comm, dist));
+  EXPECT_EQ(content(comm, to_slices(comm, dist)), before);
+}
+
+}  // namespace
+}  // namespace skein::test
