@@ -109,7 +109,7 @@ class Bench:
             runs = [self.adapt(mesh, out, threads, *options) for _ in range(self.args.repeat)]
             r = min(runs, key=lambda run: run["seconds"]["adapt"])
             seconds = r["seconds"]["adapt"]
-            cpu = sum(p["cpu"]["mean"] for p in r["phases"] if p["name"].startswith(("round", "balance", "reconcile")))
+            cpu = sum(p["cpu"]["mean"] for p in r["phases"] if p["name"].startswith(("growth", "round", "balance", "reconcile")))
             self.record(case=name, program="skein", threads=threads, elements_in=r["elements_in"],
                         elements=r["elements_out"], seconds=round(seconds, 3),
                         seconds_total=round(r["seconds"]["total"], 3), tets_per_second=round(r[rate_of] / seconds),

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
+#include <string>
 
 #include "adapt/band.hpp"
+#include "adapt/grow.hpp"
 #include "adapt/local.hpp"
 #include "kernel/interface.hpp"
 #include "mesh/adjacency.hpp"
@@ -17,15 +20,17 @@
 #include "partition/rebalance.hpp"
 #include "partition/reconcile.hpp"
 #include "partition/sharing.hpp"
+#include "solution/transfer.hpp"
 
 namespace skein {
 namespace {
 
-constexpr double kSmallestPart = 8000;  ///< predicted tetrahedra of a part at least
-constexpr double kImbalance = 0.03;     ///< of the result, in tetrahedra
-constexpr int kLayers = 2;              ///< by which interfaces between ranks move
-constexpr int kActiveLayers = 1;        ///< round old interfaces that are worked on again
-constexpr int kMargin = 2;              ///< layers round these that cavities may reach into
+constexpr double kGrowth = 8;        ///< elements out of one in a step of growth
+constexpr int kMostSteps = 10;       ///< of growth
+constexpr double kImbalance = 0.03;  ///< of the result, in tetrahedra
+constexpr int kLayers = 2;           ///< by which interfaces between ranks move
+constexpr int kActiveLayers = 1;     ///< round old interfaces that are worked on again
+constexpr int kMargin = 2;           ///< layers round these that cavities may reach into
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
@@ -119,22 +124,18 @@ std::vector<std::int32_t> face_costs(const DistMesh& dist) {
   return cost;
 }
 
-/// Collective. Compact parts of equal predicted work with small interfaces in the final mesh. Not more of them than
-/// give each a fair piece of the final mesh: small parts are all interface, and what that costs in quality no rank is
-/// worth.
-int cut_parts(const Comm& comm, DistMesh& dist) {
+/// Collective. Compact parts of equal predicted work with small interfaces in the final mesh, which are then refined.
+void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& local) {
   std::vector<double> work;
   std::vector<std::int32_t> cost;
   agree(comm, [&] {
     work = predicted_work(dist);
     cost = face_costs(dist);
   });
-  const double total = comm.sum(std::accumulate(work.begin(), work.end(), 0.0));
-  const int parts = static_cast<int>(std::clamp(total / kSmallestPart, 1.0, static_cast<double>(comm.size())));
   MultilevelOptions options;
   options.face_weight = cost;
   migrate(comm, dist, multilevel_partition(comm, dist, work, parts, options));
-  return parts;
+  if (parts > 1) refine_rank_interface(comm, dist, local);
 }
 
 /// Collective. Equal numbers of tetrahedra for whatever comes next. Displaced interfaces have taken from some ranks and
@@ -158,8 +159,8 @@ bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never
 /// Collective. `work` on the rank's mesh as a phase of the log; its new vertices get the numbers from the returned one
 /// on.
 template <class Work>
-GlobalId run_kernel(const Comm& comm, DistMesh& dist, int round, PhaseLog& log, Work&& work) {
-  log.start(fmt::format("round {}: adapt", round + 1));
+GlobalId run_kernel(const Comm& comm, DistMesh& dist, const std::string& phase, PhaseLog& log, Work&& work) {
+  log.start(phase);
   agree(comm, [&] {
     const double begin = wall_time();
     const OperationCounts c = work();
@@ -172,6 +173,29 @@ GlobalId run_kernel(const Comm& comm, DistMesh& dist, int round, PhaseLog& log, 
   const GlobalId first = number_new_vertices(comm, dist);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   return first;
+}
+
+/// Collective. Lets a mesh that is too small for all the parts that its final state can feed grow on fewer ranks, with
+/// a coarser metric, until it can be cut. Interfaces through a few tetrahedra would have to be refined many times over
+/// with next to nothing beside them, and what comes of that costs more than the parts gain. Gives the parts.
+int grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseLog& log) {
+  std::optional<Background> given;
+  CutLimits last{};
+  for (int step = 0;; ++step) {
+    const std::vector<double> work = predicted_work(dist);
+    const CutLimits limits = cut_limits(comm, work);
+    const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
+    // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
+    if (limits.able >= limits.wanted || !helps || step == kMostSteps || local.spacing != nullptr) return limits.wanted;
+    last = limits;
+    log.start(fmt::format("growth {}: partition", step + 1));
+    if (!given) given.emplace(comm, dist, dist.data);
+    bound_growth(comm, dist, work, kGrowth);
+    cut_parts(comm, dist, limits.able, local);
+    log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+    run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log, [&] { return adapt_rank(dist, local); });
+    dist.data = given->at_vertices(dist);
+  }
 }
 
 }  // namespace
@@ -187,20 +211,18 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   });
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
-  int parts = 1;
+  const int parts = comm.size() > 1 ? grow(comm, dist, local, log) : 1;
   log.start("round 1: partition");
-  if (comm.size() > 1) {
-    parts = cut_parts(comm, dist);
-    refine_rank_interface(comm, dist, local);
-  }
+  if (comm.size() > 1) cut_parts(comm, dist, parts, local);
   finish();
-  const GlobalId never_free = run_kernel(comm, dist, 0, log, [&] { return adapt_rank(dist, local); });
+  const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] { return adapt_rank(dist, local); });
   bool more = parts > 1;
   for (int round = 1; more && round < options.rounds; ++round) {
     log.start(fmt::format("round {}: partition", round + 1));
     more = move_interfaces(comm, dist, round, never_free);
     finish();
-    if (more) run_kernel(comm, dist, round, log, [&] { return adapt_band(dist, local); });
+    if (!more) break;
+    run_kernel(comm, dist, fmt::format("round {}: adapt", round + 1), log, [&] { return adapt_band(dist, local); });
   }
   log.start("balance");
   even_out(comm, dist, parts);

@@ -1,0 +1,64 @@
+// How far a mesh may be cut, and the metric of a step on the way to the final one.
+#include "adapt/grow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "comm/halo.hpp"
+#include "metric/tensor.hpp"
+
+namespace skein {
+namespace {
+
+constexpr double kSmallestPart = 8000;  ///< predicted tetrahedra of a part at least
+constexpr double kSmallestCut = 4000;   ///< tetrahedra of a part at least when it is cut
+
+SymTensor coarser(const SymTensor& log_m, double factor, double own_size) noexcept {
+  Eigen e = eigen(log_m);
+  for (double& l : e.value) {
+    const double h = std::exp(-0.5 * l);
+    l = -2 * std::log(std::max(h, std::min(factor * h, 0.5 * own_size)));
+  }
+  return compose(e);
+}
+
+}  // namespace
+
+CutLimits cut_limits(const Comm& comm, std::span<const double> work) {
+  double sum = 0, squares = 0;
+  for (const double w : work) {
+    sum += w;
+    squares += w * w;
+  }
+  sum = comm.sum(sum);
+  squares = comm.sum(squares);
+  const auto parts = [&](double n) { return static_cast<int>(std::clamp(n, 1.0, static_cast<double>(comm.size()))); };
+  return {parts(sum / kSmallestPart), parts(squares > 0 ? sum * sum / squares / kSmallestCut : 1)};
+}
+
+void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> work, double growth) {
+  const TetMesh& m = dist.mesh;
+  std::vector<double> sums(3 * m.vert_slots(), 0.0);  // per vertex: work, volume and number of its tetrahedra
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    const double volume = std::abs(volume6(m, t)) / 6;
+    for (const VertId v : m.tet2vert[t]) {
+      double* s = sums.data() + 3 * idx(v);
+      s[0] += work[idx(t)];
+      s[1] += volume;
+      s[2] += 1;
+    }
+  }
+  Halo(comm, dist.sharing).sum(std::span<double>(sums), 3);
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    const double* s = sums.data() + 3 * idx(v);
+    if (s[0] <= growth * s[2]) continue;
+    const double factor = std::cbrt(s[0] / s[2] / growth);
+    const double own_size = std::cbrt(6 * std::sqrt(2.0) * s[1] / s[2]);  // of the regular tetrahedron of this volume
+    double* d = dist.data.at(v);
+    const SymTensor l = coarser({d[0], d[1], d[2], d[3], d[4], d[5]}, factor, own_size);
+    d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
+  }
+}
+
+}  // namespace skein

@@ -1,0 +1,79 @@
+// How far a mesh may be cut, and the metric of a step of growth.
+#include "adapt/grow.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "metric/tensor.hpp"
+#include "partition/partition.hpp"
+#include "tests/partition/cube.hpp"
+#include "tests/support/world.hpp"
+
+namespace skein::test {
+namespace {
+
+/// A cube of n^3 cells; edge length h(x) along all axes.
+template <class Size>
+DistMesh make(const Comm& comm, int n, Size&& h) {
+  const MeshSlice file = slices(comm, cube(n));
+  FieldSlice f;
+  f.path = "cube.sol";
+  f.total = file.total_verts;
+  f.first = file.first_vert;
+  f.kinds = {FieldKind::kTensor};
+  f.width = 6;
+  for (const Vec3 x : file.coords) {
+    const double l = -2 * std::log(h(x));
+    f.values.insert(f.values.end(), {l, 0, l, 0, 0, l});
+  }
+  return distribute(comm, file, &f);
+}
+double sum(const Comm& comm, const std::vector<double>& v) {
+  return comm.sum(std::accumulate(v.begin(), v.end(), 0.0));
+}
+
+TEST(Grow, LimitsFollowFromTheTetrahedraThatShareTheWork) {
+  const Comm& comm = world();
+  const int per_rank = 40000;
+  std::vector<double> work(per_rank, 10.0);
+  EXPECT_EQ(cut_limits(comm, work).able, comm.size());
+  EXPECT_EQ(cut_limits(comm, work).wanted, comm.size());
+  // Ten tetrahedra become nearly all of the mesh.
+  if (comm.is_root()) std::fill_n(work.begin(), 10, 1e9);
+  EXPECT_EQ(cut_limits(comm, work).able, 1);
+  EXPECT_EQ(cut_limits(comm, work).wanted, comm.size());
+  EXPECT_EQ(cut_limits(comm, std::vector<double>{}).able, 1);
+  EXPECT_EQ(cut_limits(comm, std::vector<double>{}).wanted, 1);
+}
+
+TEST(Grow, BoundsWhatComesOfTheMesh) {
+  const Comm& comm = world();
+  DistMesh dist = make(comm, 8, [](Vec3) { return 0.01; });
+  const std::vector<double> work = predicted_work(dist);
+  constexpr double kGrowth = 8;
+  const auto tets = static_cast<double>(dist.global_tets);
+  ASSERT_GT(sum(comm, work), 100 * kGrowth * tets);
+  bound_growth(comm, dist, work, kGrowth);
+  const double bounded = sum(comm, predicted_work(dist));
+  EXPECT_LT(bounded, 2 * kGrowth * tets);
+  EXPECT_GT(bounded, tets);
+  reconcile(comm, dist);  // the same bits on all copies
+}
+
+TEST(Grow, IsNeverStricterAndLeavesWhatGrowsLittle) {
+  const Comm& comm = world();
+  DistMesh dist = make(comm, 8, [](Vec3 x) { return x.x < 0.5 ? 0.12 : 0.005; });
+  const VertexData given = dist.data;
+  bound_growth(comm, dist, predicted_work(dist), 8);
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    for (const int diagonal : {0, 2, 5}) EXPECT_LE(dist.data.at(v)[diagonal], given.at(v)[diagonal] + 1e-12);
+    if (dist.mesh.coords[v].x > 0.3) continue;
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(dist.data.at(v)[i], given.at(v)[i]);
+  }
+}
+
+}  // namespace
+}  // namespace skein::test
