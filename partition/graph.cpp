@@ -142,21 +142,29 @@ Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::s
   out.edge.reserve(fine.edge.size() * 3 / 4);
   out.weight.assign(nodes, 0);
   IdVector<NodeId, std::uint32_t> place(nodes + ghosts, 0);  // of the edge to a node, plus 1, if in this row
+  std::vector<Edge> row;
   for (std::size_t c = 0; c < nodes; ++c) {
-    const auto row = static_cast<std::uint32_t>(out.edge.size());
+    const auto begin = static_cast<std::uint32_t>(out.edge.size());
+    std::size_t most = 0;
+    for (std::uint32_t i = member_first[c]; i < member_first[c + 1]; ++i) most += fine.edges(member[i]).size();
+    if (row.size() <= most) row.resize(2 * most + 1);
+    std::uint32_t used = 0;
+    std::int64_t weight = 0;
     for (std::uint32_t i = member_first[c]; i < member_first[c + 1]; ++i) {
-      out.weight[to_id<NodeId>(c)] += fine.weight[member[i]];
+      weight += fine.weight[member[i]];
       for (const Edge& e : fine.edges(member[i])) {
         const NodeId to = coarse[e.to];
         if (idx(to) == c) continue;
-        if (place[to] > row) {
-          out.edge[place[to] - 1].weight += e.weight;
-        } else {
-          out.edge.push_back({to, e.weight});
-          place[to] = static_cast<std::uint32_t>(out.edge.size());
-        }
+        const std::uint32_t at = place[to];  // whether it is new cannot be foreseen: no branch
+        const bool is_new = at <= begin;
+        Edge& sum = row[is_new ? used : at - begin - 1];
+        sum = {to, (is_new ? 0 : sum.weight) + e.weight};
+        used += is_new ? 1 : 0;
+        place[to] = is_new ? begin + used : at;
       }
     }
+    out.weight[to_id<NodeId>(c)] = weight;
+    out.edge.insert(out.edge.end(), row.begin(), row.begin() + used);
     out.first.push_back(static_cast<std::uint32_t>(out.edge.size()));
   }
   return out;

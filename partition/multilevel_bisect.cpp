@@ -32,11 +32,10 @@ struct Cost {
 void grow(const Graph& g, NodeId start, std::int64_t target, IdVector<NodeId, Rank>& part) {
   part.assign(g.nodes(), Rank{1});
   GainQueue queue(g.nodes());
-  const auto gain = [&](NodeId v) {
-    std::int64_t sum = 0;
-    for (const Edge& e : g.edges(v)) sum += part[e.to] == Rank{0} ? e.weight : -e.weight;
-    return sum;
-  };
+  IdVector<NodeId, std::int64_t> gain(g.nodes(), 0);
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) {
+    for (const Edge& e : g.edges(v)) gain[v] -= e.weight;
+  }
   std::int64_t weight = 0;
   NodeId next = start;
   std::size_t tried = 0;  // nodes from `start` on, when the piece that it lies in has been taken
@@ -53,7 +52,8 @@ void grow(const Graph& g, NodeId start, std::int64_t target, IdVector<NodeId, Ra
     for (const Edge& e : g.edges(next)) {
       if (part[e.to] == Rank{0}) continue;
       if (queue.has(e.to)) queue.remove(e.to);
-      queue.push(e.to, gain(e.to));
+      gain[e.to] += 2 * e.weight;
+      queue.push(e.to, gain[e.to]);
     }
     next = queue.pop().node;
   }

@@ -5,8 +5,7 @@
 
 namespace skein {
 
-GainQueue::GainQueue(std::size_t nodes, Order order)
-    : next_(nodes), prev_(nodes), at_(nodes, -1), head_(2 * kReach + 1, kNoNode), order_(order) {
+GainQueue::GainQueue(std::size_t nodes, Order order) : at_(nodes), head_(2 * kReach + 1, kNoNode), order_(order) {
   if (order == Order::kFirstFirst) tail_.assign(head_.size(), kNoNode);
 }
 
@@ -16,38 +15,36 @@ std::int32_t GainQueue::clamp(std::int64_t gain) noexcept {
 
 void GainQueue::push(NodeId v, std::int64_t gain) noexcept {
   const std::int32_t list = clamp(gain) + kReach;
-  const auto l = static_cast<std::size_t>(list);
-  at_[v] = list;
   top_ = std::max(top_, list);
   ++size_;
+  const auto l = static_cast<std::size_t>(list);
   NodeId& head = head_[l];
   if (order_ == Order::kLastFirst || head == kNoNode) {
-    next_[v] = head;
-    prev_[v] = kNoNode;
-    if (head != kNoNode) prev_[head] = v;
+    at_[v] = {head, kNoNode, list};
+    if (head != kNoNode) at_[head].prev = v;
     head = v;
     if (order_ == Order::kFirstFirst) tail_[l] = v;
   } else {
-    next_[v] = kNoNode;
-    prev_[v] = tail_[l];
-    next_[tail_[l]] = v;
+    at_[v] = {kNoNode, tail_[l], list};
+    at_[tail_[l]].next = v;
     tail_[l] = v;
   }
 }
 
 void GainQueue::remove(NodeId v) noexcept {
-  const auto l = static_cast<std::size_t>(at_[v]);
-  if (prev_[v] != kNoNode) {
-    next_[prev_[v]] = next_[v];
+  Place& p = at_[v];
+  const auto l = static_cast<std::size_t>(p.list);
+  if (p.prev != kNoNode) {
+    at_[p.prev].next = p.next;
   } else {
-    head_[l] = next_[v];
+    head_[l] = p.next;
   }
-  if (next_[v] != kNoNode) {
-    prev_[next_[v]] = prev_[v];
+  if (p.next != kNoNode) {
+    at_[p.next].prev = p.prev;
   } else if (order_ == Order::kFirstFirst) {
-    tail_[l] = prev_[v];
+    tail_[l] = p.prev;
   }
-  at_[v] = -1;
+  p.list = -1;
   --size_;
 }
 
@@ -68,11 +65,14 @@ Refiner::Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<s
       part_(part),
       weight_(weight),
       capacity_(capacity),
-      fixed_(fixed),
       queue_(graph.nodes()),
       contact_(weight.size(), 0),
       touched_(weight.size() + 1),
-      locked_(graph.nodes(), 0) {}
+      target_(graph.nodes()),
+      state_(graph.nodes(), kMaybeBoundary) {
+  if (fixed == nullptr) return;
+  for (const NodeId v : IdRange<NodeId>(graph.nodes())) state_[v] = (*fixed)[v] != 0 ? kFixed : kMaybeBoundary;
+}
 
 Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
   const std::span<const Edge> edges = g_.edges(v);
@@ -85,12 +85,13 @@ Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
     touched += c == 0 ? 1 : 0;
     c += e.weight;
   }
-  const std::int64_t w = g_.weight[v], inner = contact_[idx(own)];
+  const std::int64_t w = g_.weight[v];
+  const std::int32_t inner = contact_[idx(own)];
   contact_[idx(own)] = 0;
   Target best;
   for (std::size_t i = 0; i < touched; ++i) {
     const Rank p = touched_[i];
-    const std::int64_t gain = contact_[idx(p)] - inner;
+    const std::int32_t gain = contact_[idx(p)] - inner;
     contact_[idx(p)] = 0;
     if (p == own || (best.part != Rank{-1} && gain < best.gain)) continue;
     const std::int64_t after = weight_[idx(p)] + w;
@@ -101,8 +102,24 @@ Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
 }
 
 bool Refiner::on_boundary(NodeId v) const noexcept {
-  const Rank own = part_[v];
-  return std::any_of(g_.edges(v).begin(), g_.edges(v).end(), [&](const Edge& e) { return part_[e.to] != own; });
+  const auto own = static_cast<std::uint32_t>(part_[v]);
+  std::uint32_t differ = 0;  // no early exit: where it comes cannot be foreseen, and rows are short
+  for (const Edge& e : g_.edges(v)) differ |= static_cast<std::uint32_t>(part_[e.to]) ^ own;
+  return differ != 0;
+}
+
+void Refiner::find_boundary() {
+  boundary_.clear();
+  for (const NodeId v : IdRange<NodeId>(g_.nodes())) {
+    std::uint8_t& s = state_[v];
+    s &= static_cast<std::uint8_t>(~kLocked);
+    if ((s & kMaybeBoundary) == 0) continue;
+    if (on_boundary(v)) {
+      boundary_.push_back(v);
+    } else {
+      s = 0;
+    }
+  }
 }
 
 void Refiner::move(NodeId v, Rank to) noexcept {
@@ -111,40 +128,77 @@ void Refiner::move(NodeId v, Rank to) noexcept {
   part_[v] = to;
 }
 
-void Refiner::enqueue(NodeId v) {
-  const Target t = best_target(v);
-  if (t.part != Rank{-1}) queue_.push(v, t.gain);
+bool Refiner::enqueue(NodeId v, bool any) {
+  const Target t = target_[v] = best_target(v, any);
+  if (t.part == Rank{-1}) return false;
+  queue_.push(v, t.gain);
+  return true;
 }
 
 void Refiner::update_neighbours(NodeId v) {
   for (const Edge& e : g_.edges(v)) {
-    if (idx(e.to) >= g_.nodes() || locked_[e.to] != 0 || !may_move(e.to)) continue;
+    if (idx(e.to) >= g_.nodes()) continue;
+    std::uint8_t& s = state_[e.to];
+    if ((s & (kFixed | kLocked)) != 0) continue;  // what is locked is marked already
+    s = kMaybeBoundary;
     if (queue_.has(e.to)) queue_.remove(e.to);
     enqueue(e.to);
   }
 }
 
+namespace {
+
+/// The moves of a search since its best state. If they were a random walk of steps like those so far, is it unlikely to
+/// come back? (V. Osipov, P. Sanders, n-level graph partitioning, ESA 2010, section 5.)
+class Walk {
+ public:
+  void restart() noexcept { *this = {}; }
+  void step(std::int64_t gain) noexcept {
+    const auto g = static_cast<double>(gain);
+    steps_ += 1;
+    sum_ += g;
+    squares_ += g * g;
+  }
+  [[nodiscard]] bool hopeless() const noexcept {
+    constexpr double kDoubt = 2;
+    constexpr double kFewest = 3;  // fewer steps say nothing
+    const double mean = sum_ / steps_, variance = squares_ / steps_ - mean * mean;
+    return steps_ >= kFewest && steps_ * mean * mean > kDoubt * variance;
+  }
+
+ private:
+  double steps_ = 0, sum_ = 0, squares_ = 0;
+};
+
+}  // namespace
+
 std::int64_t Refiner::search(std::size_t patience) {
   moves_.clear();
   std::int64_t gained = 0, best = 0;
   std::size_t best_moves = 0;
+  Walk walk;
   for (;;) {
     const auto [v, expected] = queue_.pop();
     if (v == kNoNode) break;
-    const Target t = best_target(v);
-    if (t.part == Rank{-1}) continue;
-    if (GainQueue::clamp(t.gain) < expected) {  // its part of choice has filled up
-      queue_.push(v, t.gain);
-      continue;
+    Target t = target_[v];
+    if (weight_[idx(t.part)] + g_.weight[v] > capacity_[idx(t.part)]) {  // it has filled up
+      t = target_[v] = best_target(v);
+      if (t.part == Rank{-1}) continue;
+      if (GainQueue::clamp(t.gain) < expected) {
+        queue_.push(v, t.gain);
+        continue;
+      }
     }
     moves_.push_back({v, part_[v]});
     move(v, t.part);
-    locked_[v] = 1;
+    state_[v] |= kLocked;
     gained += t.gain;
+    walk.step(t.gain);
     if (gained > best) {
       best = gained;
       best_moves = moves_.size();
-    } else if (moves_.size() - best_moves > patience) {
+      walk.restart();
+    } else if (moves_.size() - best_moves > patience || walk.hopeless()) {
       break;
     }
     update_neighbours(v);
@@ -156,28 +210,19 @@ std::int64_t Refiner::search(std::size_t patience) {
 }
 
 std::int64_t Refiner::global_pass(std::size_t patience) {
-  for (const NodeId v : IdRange<NodeId>(g_.nodes())) {
-    locked_[v] = 0;
-    if (may_move(v) && on_boundary(v)) enqueue(v);
-  }
+  find_boundary();
+  for (const NodeId v : boundary_) enqueue(v);
   return search(patience);
 }
 
 std::int64_t Refiner::local_pass(std::size_t seeds, std::size_t patience) {
-  std::vector<NodeId> boundary;
-  for (const NodeId v : IdRange<NodeId>(g_.nodes())) {
-    locked_[v] = 0;
-    if (may_move(v) && on_boundary(v)) boundary.push_back(v);
-  }
+  find_boundary();
   std::int64_t gained = 0;
   std::size_t n = 0;
-  for (std::size_t i = 0; i < boundary.size(); ++i) {
-    const NodeId v = boundary[i];
-    if (locked_[v] == 0 && on_boundary(v) && !queue_.has(v)) {
-      enqueue(v);
-      ++n;
-    }
-    if (n < seeds && i + 1 < boundary.size()) continue;
+  for (std::size_t i = 0; i < boundary_.size(); ++i) {
+    const NodeId v = boundary_[i];
+    if ((state_[v] & kLocked) == 0 && !queue_.has(v) && enqueue(v)) ++n;
+    if (n < seeds && i + 1 < boundary_.size()) continue;
     gained += search(patience);
     n = 0;
   }
@@ -186,10 +231,9 @@ std::int64_t Refiner::local_pass(std::size_t seeds, std::size_t patience) {
 
 bool Refiner::shed(bool any) {
   for (const NodeId v : IdRange<NodeId>(g_.nodes())) {
-    locked_[v] = 0;
-    if (weight_[idx(part_[v])] <= capacity_[idx(part_[v])] || g_.weight[v] == 0 || !may_move(v)) continue;
-    const Target t = best_target(v, any);
-    if (t.part != Rank{-1}) queue_.push(v, t.gain);
+    state_[v] &= static_cast<std::uint8_t>(~kLocked);
+    if (weight_[idx(part_[v])] <= capacity_[idx(part_[v])] || g_.weight[v] == 0 || (state_[v] & kFixed) != 0) continue;
+    enqueue(v, any);
   }
   bool moved = false;
   for (;;) {
@@ -204,13 +248,14 @@ bool Refiner::shed(bool any) {
       continue;
     }
     move(v, t.part);
-    locked_[v] = 1;
+    state_[v] |= kLocked;
     moved = true;
     for (const Edge& e : g_.edges(v)) {
-      if (idx(e.to) >= g_.nodes() || locked_[e.to] != 0 || !may_move(e.to) || part_[e.to] != from) continue;
+      if (idx(e.to) >= g_.nodes() || (state_[e.to] & kFixed) != 0) continue;
+      state_[e.to] |= kMaybeBoundary;
+      if ((state_[e.to] & kLocked) != 0 || part_[e.to] != from) continue;
       if (queue_.has(e.to)) queue_.remove(e.to);
-      const Target next = best_target(e.to, any);
-      if (next.part != Rank{-1}) queue_.push(e.to, next.gain);
+      enqueue(e.to, any);
     }
   }
   return moved;

@@ -21,14 +21,17 @@ class GainQueue {
     std::int32_t gain = 0;  ///< that it was pushed with, clamped
   };
   Item pop() noexcept;
-  [[nodiscard]] bool has(NodeId v) const noexcept { return at_[v] >= 0; }
+  [[nodiscard]] bool has(NodeId v) const noexcept { return at_[v].list >= 0; }
   static constexpr std::int32_t kReach = 2000;
   static std::int32_t clamp(std::int64_t gain) noexcept;
 
  private:
-  IdVector<NodeId, NodeId> next_, prev_;
-  IdVector<NodeId, std::int32_t> at_;  ///< list, or -1
-  std::vector<NodeId> head_, tail_;
+  struct Place {
+    NodeId next = kNoNode, prev = kNoNode;
+    std::int32_t list = -1;  ///< -1: not in the queue
+  };
+  IdVector<NodeId, Place> at_;
+  std::vector<NodeId> head_, tail_;  ///< the tails only in kFirstFirst
   Order order_;
   std::int32_t top_ = -1;
   std::size_t size_ = 0;
@@ -45,22 +48,27 @@ class Refiner {
   /// Takes nodes from parts beyond their capacity to neighbours that have room, cheapest first.
   void balance();
   /// One search that starts at the whole boundary: moves the best node, each one at most once, also to its loss, until
-  /// `patience` moves in a row have gained nothing; then back to the best state. Returns how much the cut fell.
+  /// `patience` moves in a row have gained nothing, or fewer make it unlikely that more will; then back to the best
+  /// state. Returns how much the cut fell.
   std::int64_t global_pass(std::size_t patience);
-  /// Many small such searches, each from a few neighbouring nodes of the boundary: `patience` moves each.
+  /// Many small such searches, each from a few neighbouring nodes of the boundary.
   std::int64_t local_pass(std::size_t seeds, std::size_t patience);
 
  private:
   struct Target {
     Rank part{-1};
-    std::int64_t gain = 0;
+    std::int32_t gain = 0;
   };
+  /// Bits of state_.
+  enum : std::uint8_t { kLocked = 1, kFixed = 2, kMaybeBoundary = 4 };
+
   /// The part to which v would best go; without room, only to lighter ones if `any`. Rank{-1}: nowhere.
   Target best_target(NodeId v, bool any = false) noexcept;
   [[nodiscard]] bool on_boundary(NodeId v) const noexcept;
-  [[nodiscard]] bool may_move(NodeId v) const noexcept { return fixed_ == nullptr || (*fixed_)[v] == 0; }
+  /// The nodes that a pass may start from, in their order; unlocks all nodes.
+  void find_boundary();
   void move(NodeId v, Rank to) noexcept;
-  void enqueue(NodeId v);
+  bool enqueue(NodeId v, bool any = false);
   void update_neighbours(NodeId v);
   std::int64_t search(std::size_t patience);
   bool shed(bool any);
@@ -69,11 +77,12 @@ class Refiner {
   IdVector<NodeId, Rank>& part_;
   std::vector<std::int64_t>& weight_;
   std::span<const std::int64_t> capacity_;
-  const IdVector<NodeId, char>* fixed_;
   GainQueue queue_;
   std::vector<std::int32_t> contact_;  ///< by part; zero but inside best_target
   std::vector<Rank> touched_;
-  IdVector<NodeId, char> locked_;
+  IdVector<NodeId, Target> target_;  ///< of the nodes in the queue
+  IdVector<NodeId, std::uint8_t> state_;
+  std::vector<NodeId> boundary_;
   struct Move {
     NodeId node;
     Rank from;

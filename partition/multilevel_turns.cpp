@@ -9,12 +9,11 @@
 namespace skein {
 
 void refine_all(Refiner& r, std::size_t nodes) {
-  constexpr std::size_t kLarge = 200000;
   r.balance();
   const std::size_t patience = std::max<std::size_t>(200, nodes / 200);
-  for (int i = 0; i < 3 && r.global_pass(patience) > 0; ++i) {
+  for (int i = 0; i < 2 && r.global_pass(patience) > 0; ++i) {
   }
-  for (int i = 0; i < (nodes < kLarge ? 2 : 1) && r.local_pass(4, 25) > 0; ++i) {
+  for (int i = 0; i < 2 && r.local_pass(4, 25) > 0; ++i) {
   }
 }
 

@@ -10,8 +10,7 @@
 namespace skein {
 
 /// The passes of one level, for a graph with so many nodes. Searches from the whole boundary find the long way down,
-/// small ones from everywhere what those pass over; each alone leaves cuts that are several percent longer. On large
-/// graphs a second round of small ones finds too little.
+/// small ones from everywhere what those pass over; each alone leaves cuts that are several percent longer.
 void refine_all(Refiner& refiner, std::size_t nodes);
 
 /// Collective. Balances and shortens the cut of parts over all ranks. Where ranks touch, one of the two moves nodes at
