@@ -2,6 +2,7 @@
 #include "kernel/cavity.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "mesh/predicates.hpp"
 
@@ -17,7 +18,7 @@ Cavity::Cavity(Part& part) : part_(&part), table_(1024), table_mask_(table_.size
 void Cavity::clear() noexcept {
   old_.clear();
   clear_new();
-  stamp_ = ++part_->tet_stamp;
+  stamp_ = part_->tet_stamp += 2;
 }
 
 void Cavity::add(TetId t) {
@@ -35,6 +36,7 @@ void Cavity::clear_new() noexcept {
   fresh_.clear();
   walls_.clear();
   new_min_ = 1;
+  edge_bits_ = kUnknownEdges;
 }
 
 bool Cavity::propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3) {
@@ -100,7 +102,7 @@ void Cavity::enter_outer_faces() {
       const auto s = static_cast<std::size_t>(face_side(e.face));
       part_->mesh.tet2face[t][s] = kNoFace;
       part_->mesh.face_tag[t][s] = w.tag;
-      part_->dirty[t] = kAllPasses;
+      part_->dirty[t] |= kAllPasses;
       e.face = kNoFace;
       continue;
     }
@@ -125,6 +127,7 @@ TetId Cavity::take_slot(std::size_t i) {
   p.mesh.tet_ref.push_back(0);
   p.q3.push_back(0);
   p.dirty.push_back(0);
+  p.refused.push_back(0);
   return p.tet_mark.push_back(0);
 }
 
@@ -156,11 +159,13 @@ void Cavity::link(TetId t) {
 void Cavity::commit() {
   Part& p = *part_;
   TetMesh& m = p.mesh;
-  if (2 * (4 * fresh_.size() + 4 * old_.size() + walls_.size()) > table_.size()) {
-    table_.assign(2 * table_.size(), Entry{});
-    table_mask_ = table_.size() - 1;
+  // The part of the table that is used grows with the cavity, so that small ones stay in few cache lines.
+  const std::size_t want = std::bit_ceil(2 * (4 * fresh_.size() + 4 * old_.size() + walls_.size()));
+  if (want > table_.size()) {
+    table_.assign(want, Entry{});
     table_stamp_ = 0;
   }
+  table_mask_ = want - 1;
   ++table_stamp_;
   enter_outer_faces();
   for (const TetId t : old_) p.tet_mark[t] = 0;
@@ -171,13 +176,18 @@ void Cavity::commit() {
     m.tet2vert[t] = fresh_[i].v;
     m.tet_ref[t] = fresh_[i].ref;
     p.q3[t] = fresh_[i].q3;
-    p.dirty[t] = kAllPasses;
+    p.refused[t] = 0;
+    p.dirty[t] = kAllPasses | edge_bits_;
     for (const VertId v : fresh_[i].v) m.vert2tet[v] = t;
   }
   for (const TetId t : slots_) link(t);
-  for (std::size_t i = fresh_.size(); i < old_.size(); ++i) {
-    m.tet2vert[old_[i]] = {kNoVert, kNoVert, kNoVert, kNoVert};
-    p.free_tets.push_back(old_[i]);
+  free_rest(fresh_.size());
+}
+
+void Cavity::free_rest(std::size_t used) {
+  for (std::size_t i = used; i < old_.size(); ++i) {
+    part_->mesh.tet2vert[old_[i]] = {kNoVert, kNoVert, kNoVert, kNoVert};
+    part_->free_tets.push_back(old_[i]);
   }
 }
 

@@ -18,8 +18,9 @@ class Cavity {
   /// Adds an old tetrahedron.
   void add(TetId t);
   [[nodiscard]] bool contains(TetId t) const noexcept { return part_->tet_mark[t] == stamp_; }
-  /// Takes old tetrahedra gathered (and stamped with the current Part::tet_stamp) by gather_ball into old_tets().
-  void adopt_stamp() noexcept { stamp_ = part_->tet_stamp; }
+  /// Remembers until clear() that t does not belong here; is_known is true for what is in the set or remembered so.
+  void mark_outside(TetId t) noexcept { part_->tet_mark[t] = stamp_ - 1; }
+  [[nodiscard]] bool is_known(TetId t) const noexcept { return part_->tet_mark[t] >= stamp_ - 1; }
   std::vector<TetId>& old_tets() noexcept { return old_; }
   void remove_at(std::size_t i) noexcept;
 
@@ -28,9 +29,17 @@ class Cavity {
   /// Proposes a tetrahedron. False (and nothing proposed) when its quality is not above `floor_q3` or it is not
   /// positive (exact).
   bool propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3);
+  /// The same for one that has been judged already.
+  void accept(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double q3) {
+    fresh_.push_back({{a, b, c, d}, ref, static_cast<float>(q3)});
+  }
   /// Declares a tagged face that the new tetrahedra form in place of old tagged ones. A hull face may also be a face of
   /// the cavity's border; then the tetrahedron behind that gets it.
   void wall(VertId a, VertId b, VertId c, FaceTag tag);
+
+  /// kMayBeLong, kMayBeShort for all new tetrahedra; both, if nothing is said.
+  void set_edge_bits(int bits) noexcept { edge_bits_ = static_cast<std::uint8_t>(bits); }
+  void add_edge_bits(std::uint8_t bits) noexcept { edge_bits_ |= bits; }
 
   [[nodiscard]] double new_min_q3() const noexcept { return new_min_; }
   [[nodiscard]] double old_min_q3() const noexcept;
@@ -39,6 +48,10 @@ class Cavity {
   /// Replaces the old tetrahedra by the new ones: links them with each other, with the outside and with the walls. New
   /// ones are dirty for all passes. @pre the new tetrahedra fill the old ones' space.
   void commit();
+  /// For those who link new tetrahedra themselves: the i-th new one's slot (the old ones' first), and what remains of
+  /// the old ones after `used` of them.
+  TetId take_slot(std::size_t i);
+  void free_rest(std::size_t used);
   /// The tetrahedra that the last commit made.
   [[nodiscard]] const std::vector<TetId>& new_tets() const noexcept { return slots_; }
 
@@ -57,7 +70,6 @@ class Cavity {
   };
   Entry& lookup(VertId a, VertId b, VertId c) noexcept;
   void enter_outer_faces();
-  TetId take_slot(std::size_t i);
   void link(TetId t);
 
   Part* part_;
@@ -71,6 +83,7 @@ class Cavity {
   };
   std::vector<Wall> walls_;
   double new_min_ = 1;
+  std::uint8_t edge_bits_ = kUnknownEdges;
   std::vector<Entry> table_;
   std::uint32_t table_stamp_ = 0;
   std::size_t table_mask_ = 0;

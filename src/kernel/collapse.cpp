@@ -5,6 +5,9 @@
 #include <numbers>
 
 namespace skein {
+namespace {
+constexpr std::size_t kMaxBall = 200;
+}
 
 bool Collapser::may_leave(VertId v, VertId u) const noexcept {
   const TetMesh& m = part_->mesh;
@@ -98,23 +101,35 @@ bool Collapser::surface_allows(VertId v, VertId u) {
   return ok;
 }
 
-bool Collapser::lengths_allow(VertId u, double max_length) {
-  const TetMesh& m = part_->mesh;
-  const std::uint32_t stamp = ++part_->vert_stamp;
-  for (const TetId t : cavity_->old_tets()) {
-    if (!has_vertex(m.tet2vert[t], u)) continue;
-    for (const VertId w : m.tet2vert[t]) part_->vert_mark[w] = stamp;  // neighbours of u already
-  }
-  for (const TetId t : cavity_->old_tets()) {
-    for (const VertId w : m.tet2vert[t]) {
-      if (part_->vert_mark[w] == stamp) continue;
-      part_->vert_mark[w] = stamp;
-      if (part_->length(u, w) > max_length) return false;
+bool Collapser::gather_within(VertId v, VertId u, TetId at, double max_length) {
+  // The lengths are looked at on the way, since most attempts end at an edge that would get too long: what is a
+  // neighbour of u already may be as far as it is.
+  Part& p = *part_;
+  const TetMesh& m = p.mesh;
+  auto& ball = cavity_->old_tets();
+  bool ring_known = false;
+  const auto is_neighbour = [&](VertId w) {
+    if (!ring_known) ring_known = gather_shell(m, at, v, u, shell_);
+    const auto end = shell_.ring.begin() + shell_.n + 1;
+    return ring_known && std::find(shell_.ring.begin(), end, w) != end;
+  };
+  const auto fits = [&](VertId w) { return w == u || !p.is_longer(u, w, max_length) || is_neighbour(w); };
+  cavity_->add(at);
+  for (std::size_t i = 0; i < ball.size(); ++i) {
+    const TetId t = ball[i];
+    const auto& tv = m.tet2vert[t];
+    const auto& tf = m.tet2face[t];
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (tv[f] == v || tf[f] == kNoFace) continue;
+      const TetId nb = face_tet(tf[f]);
+      if (cavity_->contains(nb)) continue;
+      if (!fits(m.tet2vert[nb][static_cast<std::size_t>(face_side(tf[f]))])) return false;
+      cavity_->add(nb);
     }
+    if (ball.size() > kMaxBall) return false;
   }
   return true;
 }
-
 bool Collapser::facets_can_move(VertId v, VertId u) const noexcept {
   const TetMesh& m = part_->mesh;
   for (const TetId t : cavity_->old_tets()) {
@@ -156,13 +171,11 @@ void Collapser::move_features(VertId v, VertId u) {
 }
 
 template <class Floor>
-bool Collapser::attempt(VertId v, VertId u, double max_length, Floor&& floor_of_old_min) {
+bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Floor&& floor_of_old_min) {
   if (!may_leave(v, u)) return false;
   TetMesh& m = part_->mesh;
   cavity_->clear();
-  if (!gather_ball(*part_, v, cavity_->old_tets(), 200)) return false;
-  cavity_->adopt_stamp();
-  if (!lengths_allow(u, max_length)) return false;
+  if (!gather_within(v, u, at, max_length)) return false;
   const bool surface = m.has(v, kSurface);
   if (surface) {
     if (!facets_can_move(v, u)) return false;
@@ -183,12 +196,12 @@ bool Collapser::attempt(VertId v, VertId u, double max_length, Floor&& floor_of_
   return true;
 }
 
-bool Collapser::collapse(VertId v, VertId u, double max_length, double floor_q3) {
-  return attempt(v, u, max_length, [&](double old_min) { return std::min(floor_q3, 0.5 * old_min); });
+bool Collapser::collapse(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
+  return attempt(v, u, at, max_length, [&](double old_min) { return std::min(floor_q3, 0.5 * old_min); });
 }
 
-bool Collapser::collapse_to_improve(VertId v, VertId u, double max_length, double gain) {
-  return attempt(v, u, max_length, [&](double old_min) { return gain * old_min; });
+bool Collapser::collapse_to_improve(VertId v, VertId u, TetId at, double max_length, double gain) {
+  return attempt(v, u, at, max_length, [&](double old_min) { return gain * old_min; });
 }
 
 }  // namespace skein

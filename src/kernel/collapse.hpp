@@ -13,9 +13,10 @@ namespace skein {
 class Collapser {
  public:
   Collapser(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
-  bool collapse(VertId v, VertId u, double max_length, double floor_q3);
+  /// `at` is a tetrahedron with both of them.
+  bool collapse(VertId v, VertId u, TetId at, double max_length, double floor_q3);
   /// The same, but only if the worst element of the ball gets better by the factor `gain` in Q^3.
-  bool collapse_to_improve(VertId v, VertId u, double max_length, double gain = 1.2);
+  bool collapse_to_improve(VertId v, VertId u, TetId at, double max_length, double gain = 1.2);
 
  private:
   struct Facet {
@@ -23,12 +24,13 @@ class Collapser {
     FaceTag tag;
   };
   template <class Floor>
-  bool attempt(VertId v, VertId u, double max_length, Floor&& floor_of_old_min);
+  bool attempt(VertId v, VertId u, TetId at, double max_length, Floor&& floor_of_old_min);
   [[nodiscard]] bool may_leave(VertId v, VertId u) const noexcept;
   void collect_facets(VertId v);
   [[nodiscard]] bool surface_allows(VertId v, VertId u);
   [[nodiscard]] bool ridge_allows(VertId v, VertId u);
-  [[nodiscard]] bool lengths_allow(VertId u, double max_length);
+  /// The ball of v into the cavity; false, halfway, when a new edge from u would be longer than max_length.
+  bool gather_within(VertId v, VertId u, TetId at, double max_length);
   [[nodiscard]] bool facets_can_move(VertId v, VertId u) const noexcept;
   bool cone(VertId v, VertId u, double floor_q3);
   void move_features(VertId v, VertId u);
@@ -37,7 +39,7 @@ class Collapser {
   Cavity* cavity_;
   std::vector<Facet> facets_;
   std::vector<TetId> ball_u_;
-  std::vector<VertId> link_;
+  Shell shell_;
 };
 
 }  // namespace skein

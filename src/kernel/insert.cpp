@@ -43,36 +43,55 @@ void Inserter::grow(VertId p) {
       const FaceId nf = m.tet2face[t][f];
       if (nf == kNoFace || m.face_tag[t][f] != 0) continue;
       const TetId nb = face_tet(nf);
-      if (cavity_->contains(nb)) continue;
+      if (cavity_->is_known(nb)) continue;
       const auto& v = m.tet2vert[nb];
       const Vec3 a = part_->x(v[0]) - xp, b = part_->x(v[1]) - xp, c = part_->x(v[2]) - xp, d = part_->x(v[3]) - xp;
-      if (in_sphere(metric, a, b, c, d) > 0) cavity_->add(nb);
+      if (in_sphere(metric, a, b, c, d) > 0) {
+        cavity_->add(nb);
+      } else {
+        cavity_->mark_outside(nb);
+      }
+    }
+  }
+}
+
+void Inserter::collect_border() {
+  const TetMesh& m = part_->mesh;
+  border_.clear();
+  cone_.clear();
+  walled_ = false;
+  const auto& old = cavity_->old_tets();
+  for (std::size_t i = 0; i < old.size(); ++i) {
+    for (int f = 0; f < 4; ++f) {
+      const FaceId face = make_face(old[i], f);
+      if (is_inner(face)) continue;
+      if (is_split_face(face)) {
+        walled_ = true;
+        continue;
+      }
+      const auto v = face_verts(m, face);
+      const auto s = static_cast<std::size_t>(f);
+      border_.push_back({v, m.tet2face[old[i]][s], static_cast<std::uint32_t>(i), m.tet_ref[old[i]],
+                         m.face_tag[old[i]][s], part_->dirty[old[i]]});
+      cone_.add(*part_, v[0], v[1], v[2]);
     }
   }
 }
 
 bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
-  const TetMesh& m = part_->mesh;
   auto& old = cavity_->old_tets();
   // A cavity that is still not star-shaped after a few turns is a bad one, and each turn judges all of it again.
   for (int turn = 0; turn < kShrinkTurns; ++turn) {
-    cavity_->clear_new();
-    bool shrunk = false;
-    for (std::size_t i = 0; i < old.size(); ++i) {
-      const TetId t = old[i];
-      for (int f = 0; f < 4; ++f) {
-        const FaceId face = make_face(t, f);
-        if (is_inner(face) || is_split_face(face)) continue;
-        const auto v = face_verts(m, face);
-        if (cavity_->propose(p, v[0], v[1], v[2], m.tet_ref[t], floor_q3)) continue;
-        if (i < seeds) return false;
-        cavity_->remove_at(i);
-        --i;
-        shrunk = true;
-        break;
-      }
+    collect_border();
+    if (cone_.judge(part_->x(p), part_->metric.at[p]) > floor_q3) return true;
+    // What has a bad face goes; from the end on, since removing moves the last one into the gap.
+    std::size_t last = old.size();
+    for (std::size_t i = border_.size(); i-- > 0;) {
+      if (cone_.q3(i) > floor_q3 || border_[i].old == last) continue;
+      last = border_[i].old;
+      if (last < seeds) return false;
+      cavity_->remove_at(last);
     }
-    if (!shrunk) return true;
   }
   return false;
 }
@@ -83,38 +102,47 @@ bool Inserter::too_close(VertId p, double min_length) {
     for (const VertId v : part_->mesh.tet2vert[t]) {
       if (part_->vert_mark[v] == stamp) continue;
       part_->vert_mark[v] = stamp;
-      if (part_->length(p, v) < min_length) return true;
+      if (part_->is_shorter(p, v, min_length)) return true;
     }
   }
   return false;
 }
 
 bool Inserter::neighbours_too_close(VertId p, double min_length) {
-  const TetMesh& m = part_->mesh;
-  for (const TetId t : cavity_->old_tets()) {
-    for (const FaceId nb : m.tet2face[t]) {
-      if (nb == kNoFace || cavity_->contains(face_tet(nb))) continue;
-      if (part_->length(p, m.tet2vert[face_tet(nb)][static_cast<std::size_t>(face_side(nb))]) < min_length) return true;
-    }
+  for (const Border& f : border_) {
+    if (f.behind == kNoFace) continue;
+    const TetId nb = face_tet(f.behind);
+    if (cavity_->contains(nb)) continue;
+    const VertId v = part_->mesh.tet2vert[nb][static_cast<std::size_t>(face_side(f.behind))];
+    if (part_->is_shorter(p, v, min_length)) return true;
   }
   return false;
 }
 
-bool Inserter::loses_vertex(VertId) {
-  // Vertices on an outer face survive; walls' vertices do, too, as the shell's ring.
-  const TetMesh& m = part_->mesh;
-  const std::uint32_t kept = ++part_->vert_stamp;
-  const auto& old = cavity_->old_tets();
-  for (const TetId t : old) {
-    for (int f = 0; f < 4; ++f) {
-      if (is_inner(make_face(t, f)) || is_split_face(make_face(t, f))) continue;
-      for (const VertId v : face_verts(m, make_face(t, f))) part_->vert_mark[v] = kept;
+bool Inserter::keeps_vertices() {
+  // Vertices on a face of the border survive; those of walls do, too, as the shell's ring.
+  std::size_t inside = 0;
+  link_.clear();
+  const std::uint32_t stamp = ++part_->vert_stamp;
+  for (const Border& f : border_) {
+    for (const VertId v : f.v) {
+      if (part_->vert_mark[v] == stamp) continue;
+      part_->vert_mark[v] = stamp;
+      link_.push_back(v);
     }
   }
-  for (const TetId t : old) {
-    for (const VertId v : m.tet2vert[t]) {
-      if (part_->vert_mark[v] != kept) return true;
-    }
+  for (const TetId t : cavity_->old_tets()) {
+    for (const VertId v : part_->mesh.tet2vert[t]) inside += part_->vert_mark[v] != stamp ? 1 : 0;
+  }
+  return inside == 0;
+}
+
+bool Inserter::link_too_close(VertId p, double min_length) {
+  for (const VertId v : link_) {
+    const std::uint8_t bits = part_->classify(p, v);
+    const bool may_be = (bits & kMayBeShort) != 0 || min_length > part_->options.collapse_below;
+    if (may_be && part_->is_shorter(p, v, min_length)) return true;
+    part_->edge_class[v] = bits;
   }
   return false;
 }
@@ -125,15 +153,77 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
   grow(p);
   constexpr double kGood = 0.2 * 0.2 * 0.2;
   const double floor_q3 = std::max(1e-15, std::min(kGood, 0.125 * seed_min));
-  if (!shrink_and_cone(p, seeds, floor_q3) || loses_vertex(p)) {
+  if (!shrink_and_cone(p, seeds, floor_q3) || !keeps_vertices()) {
     auto& old = cavity_->old_tets();
     if (old.size() == seeds) return InsertResult::kRefused;
     while (old.size() > seeds) cavity_->remove_at(old.size() - 1);
-    if (!shrink_and_cone(p, seeds, floor_q3) || loses_vertex(p)) return InsertResult::kRefused;
+    if (!shrink_and_cone(p, seeds, floor_q3) || !keeps_vertices()) return InsertResult::kRefused;
   }
-  if (too_close(p, min_length) || (seed_min < kGood && neighbours_too_close(p, min_length)))
+  if (link_too_close(p, min_length) || (seed_min < kGood && neighbours_too_close(p, min_length)))
     return InsertResult::kTooClose;
   return InsertResult::kDone;
+}
+
+void Inserter::commit(VertId p) {
+  if (!walled_ && link_.size() <= kMaxLink) {
+    commit_cone(p);
+    return;
+  }
+  std::uint8_t bits = 0;
+  for (const VertId v : link_) bits |= part_->edge_class[v];
+  for (const Border& f : border_) bits |= f.dirty;
+  cavity_->set_edge_bits(bits & kUnknownEdges);
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    const Border& f = border_[i];
+    cavity_->accept(p, f.v[0], f.v[1], f.v[2], f.ref, cone_.q3(i));
+  }
+  cavity_->commit();
+}
+
+void Inserter::commit_cone(VertId p) {
+  // Two new tetrahedra share the face over an edge of the border, which one meets as (a, b), the other as (b, a): a
+  // table over the link's vertices, numbered from 0, is all it takes to find each other.
+  Part& part = *part_;
+  TetMesh& m = part.mesh;
+  for (std::size_t i = 0; i < link_.size(); ++i) part.vert_mark[link_[i]] = static_cast<std::uint32_t>(i);
+  slots_.clear();
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    const Border& f = border_[i];
+    const TetId t = cavity_->take_slot(i);
+    slots_.push_back(t);
+    std::array<std::size_t, 3> k;
+    std::uint8_t bits = static_cast<std::uint8_t>(kAllPasses | (f.dirty & kUnknownEdges));
+    for (std::size_t e = 0; e < 3; ++e) {
+      k[e] = part.vert_mark[f.v[e]];
+      bits |= part.edge_class[f.v[e]];
+      m.vert2tet[f.v[e]] = t;
+    }
+    m.tet2vert[t] = {p, f.v[0], f.v[1], f.v[2]};
+    m.tet2face[t][0] = f.behind;
+    m.face_tag[t] = {f.tag, 0, 0, 0};
+    m.tet_ref[t] = f.ref;
+    part.q3[t] = static_cast<float>(cone_.q3(i));
+    part.dirty[t] = bits;
+    part.tet_mark[t] = 0;
+    part.refused[t] = 0;
+    if (f.behind != kNoFace) {
+      m.tet2face[face_tet(f.behind)][static_cast<std::size_t>(face_side(f.behind))] = make_face(t, 0);
+    }
+    mates_[k[0] * kMaxLink + k[1]] = make_face(t, 3);
+    mates_[k[1] * kMaxLink + k[2]] = make_face(t, 1);
+    mates_[k[2] * kMaxLink + k[0]] = make_face(t, 2);
+  }
+  m.vert2tet[p] = slots_.front();
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    const auto& v = border_[i].v;
+    const std::size_t a = part.vert_mark[v[0]], b = part.vert_mark[v[1]], c = part.vert_mark[v[2]];
+    auto& faces = m.tet2face[slots_[i]];
+    faces[3] = mates_[b * kMaxLink + a];
+    faces[1] = mates_[c * kMaxLink + b];
+    faces[2] = mates_[a * kMaxLink + c];
+  }
+  for (const VertId v : link_) part.vert_mark[v] = 0;
+  cavity_->free_rest(border_.size());
 }
 
 InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
@@ -179,7 +269,7 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
     m.features.insert(p, b, e.ref, e.ridge);
     m.vert_ref[p] = e.ref;
   }
-  cavity_->commit();
+  commit(p);
   ++part.counts.insert;
   return result;
 }
@@ -202,7 +292,7 @@ InsertResult Inserter::inside(TetId t, const std::array<double, 4>& weight, doub
     drop_vertex(part, p);
     return result;
   }
-  cavity_->commit();
+  commit(p);
   ++part.counts.insert;
   return result;
 }

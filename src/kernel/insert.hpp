@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "kernel/cavity.hpp"
+#include "kernel/cone.hpp"
 #include "kernel/shell.hpp"
 
 namespace skein {
@@ -22,23 +23,48 @@ class Inserter {
   /// A point inside tetrahedron t (its barycentric weights positive), not nearer than `exclusion` (metric length) to
   /// any vertex of the cavity.
   InsertResult inside(TetId t, const std::array<double, 4>& weight, double exclusion);
+  /// Of the edge that was tried last; cut off where it was too large.
+  [[nodiscard]] const Shell& shell() const noexcept { return shell_; }
 
  private:
   InsertResult insert(VertId p, std::size_t seeds, double min_length);
   void grow(VertId p);
+  /// The faces that the new point is joined to: into border_ and cone_.
+  void collect_border();
   bool shrink_and_cone(VertId p, std::size_t seeds, double floor_q3);
   [[nodiscard]] bool too_close(VertId p, double min_length);
   /// The same for the vertices behind the cavity's faces: where elements are bad, a near vertex need not be in the
   /// cavity.
   [[nodiscard]] bool neighbours_too_close(VertId p, double min_length);
-  [[nodiscard]] bool loses_vertex(VertId p);
+  /// No vertex lies inside the cavity; link_ is then what the new point gets edges to.
+  [[nodiscard]] bool keeps_vertices();
+  /// Classifies the new edges (Part::edge_class).
+  [[nodiscard]] bool link_too_close(VertId p, double min_length);
+  void commit(VertId p);
+  void commit_cone(VertId p);
   [[nodiscard]] bool is_split_face(FaceId f) const noexcept;
   [[nodiscard]] bool is_inner(FaceId f) const noexcept;
 
+  struct Border {
+    std::array<VertId, 3> v;  ///< counter-clockwise seen from outside the cavity
+    FaceId behind;
+    std::uint32_t old;  ///< position in the cavity's old tetrahedra
+    std::int32_t ref;
+    FaceTag tag;
+    std::uint8_t dirty;  ///< of the old tetrahedron
+  };
+  static constexpr std::size_t kMaxLink = 64;
+
   Part* part_;
   Cavity* cavity_;
+  Cone cone_;
   Shell shell_;
+  std::vector<Border> border_;
+  std::vector<VertId> link_;
+  std::vector<TetId> slots_;
+  std::vector<FaceId> mates_ = std::vector<FaceId>(kMaxLink * kMaxLink);
   bool on_edge_ = false;
+  bool walled_ = false;  ///< a tagged face of the shell lies in the cavity
 };
 
 }  // namespace skein

@@ -1,6 +1,8 @@
 // Set-up of a part, and its vertices.
 #include "kernel/part.hpp"
 
+#include <algorithm>
+
 #include "mesh/adjacency.hpp"
 
 namespace skein {
@@ -16,11 +18,13 @@ void prepare(Part& p) {
   const std::size_t nt = p.mesh.tet_slots();
   p.q3.resize(nt);
   p.tet_mark.assign(nt, 0);
+  p.refused.assign(nt, 0);
   p.vert_mark.assign(p.mesh.vert_slots(), 0);
+  p.edge_class.assign(p.mesh.vert_slots(), 0);
   p.tet_stamp = p.vert_stamp = 0;
   p.free_tets.clear();
   p.free_verts.clear();
-  p.dirty.assign(nt, kAllPasses);
+  p.dirty.assign(nt, kAllPasses | kUnknownEdges);
   for (const TetId t : IdRange<TetId>(nt)) {
     if (p.mesh.is_live(t)) {
       p.q3[t] = static_cast<float>(quality_cubed(p, t));
@@ -28,6 +32,30 @@ void prepare(Part& p) {
       p.free_tets.push_back(t);
     }
   }
+}
+
+void reserve(Part& p, std::size_t points) {
+  // Memory that is not touched costs nothing, so half as much again; up to a size where a wrong metric would ask for
+  // more than there is.
+  constexpr std::size_t kMost = 16'000'000, kTetsPerVert = 6;
+  const std::size_t nv = std::min(points + points / 2, kMost), nt = kTetsPerVert * nv;
+  if (nv <= p.mesh.vert_slots()) return;
+  p.mesh.coords.reserve(nv);
+  p.mesh.vert_ref.reserve(nv);
+  p.mesh.vert_flags.reserve(nv);
+  p.mesh.vert2tet.reserve(nv);
+  p.metric.at.reserve(nv);
+  p.metric.log_at.reserve(nv);
+  p.vert_mark.reserve(nv);
+  p.edge_class.reserve(nv);
+  p.mesh.tet2vert.reserve(nt);
+  p.mesh.tet2face.reserve(nt);
+  p.mesh.face_tag.reserve(nt);
+  p.mesh.tet_ref.reserve(nt);
+  p.q3.reserve(nt);
+  p.tet_mark.reserve(nt);
+  p.refused.reserve(nt);
+  p.dirty.reserve(nt);
 }
 
 IdVector<VertId, VertId> compact(Part& p) {
@@ -39,7 +67,9 @@ IdVector<VertId, VertId> compact(Part& p) {
   permute(p.q3, tets, nt);
   permute(p.dirty, tets, nt);
   p.tet_mark.assign(nt, 0);
+  p.refused.assign(nt, 0);
   p.vert_mark.assign(nv, 0);
+  p.edge_class.assign(nv, 0);
   p.tet_stamp = p.vert_stamp = 0;
   p.free_tets.clear();
   p.free_verts.clear();
@@ -78,6 +108,7 @@ VertId new_vertex(Part& p, Vec3 x, const SymTensor& log_m, std::uint8_t flags) {
   m.vert_flags.push_back(f);
   m.vert2tet.push_back(kNoTet);
   p.metric.push_back_log(l);
+  p.edge_class.push_back(0);
   return p.vert_mark.push_back(0);
 }
 

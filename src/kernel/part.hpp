@@ -26,7 +26,18 @@ struct KernelOptions {
 
 /// The kinds of passes, as bits of Part::dirty. A pass looks only at what has changed since it looked last, so that a
 /// converged mesh costs nothing but a scan of one byte per tetrahedron.
-enum Pass : std::uint8_t { kCollapsePass = 1, kInsertPass = 2, kSwapPass = 4, kSmoothPass = 8, kAllPasses = 15 };
+/// Beside them, two bits tell that an edge may be longer than split_above or shorter than collapse_below: only
+/// tetrahedra with such a bit are measured by the passes over lengths. Who makes or changes an edge sets them.
+enum Pass : std::uint8_t {
+  kCollapsePass = 1,
+  kInsertPass = 2,
+  kSwapPass = 4,
+  kSmoothPass = 8,
+  kAllPasses = 15,
+  kMayBeLong = 16,
+  kMayBeShort = 32,
+  kUnknownEdges = 48,
+};
 
 /// What a part has done.
 struct OperationCounts {
@@ -53,14 +64,38 @@ struct Part {
   IdVector<TetId, float> q3;                ///< quality_cubed of every tetrahedron
   IdVector<TetId, std::uint32_t> tet_mark;  ///< equal to the current stamp: in the set at hand
   IdVector<VertId, std::uint32_t> vert_mark;
+  IdVector<VertId, std::uint8_t> edge_class;  ///< scratch: of the edge from the vertex at hand
+  IdVector<TetId, std::uint8_t> refused;      ///< bits of kEdgeVerts: what this sweep has tried there in vain
   std::uint32_t tet_stamp = 0, vert_stamp = 0;
   std::vector<TetId> free_tets;
   std::vector<VertId> free_verts;
-  IdVector<TetId, std::uint8_t> dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it
+  IdVector<TetId, std::uint8_t>
+      dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it; kMayBeLong, kMayBeShort
 
   [[nodiscard]] Vec3 x(VertId v) const noexcept { return mesh.coords[v]; }
   [[nodiscard]] double length(VertId a, VertId b) const noexcept {
     return edge_length(metric.at[a].m, metric.at[b].m, x(b) - x(a));
+  }
+  /// length(a, b) < l, mostly without a root.
+  [[nodiscard]] bool is_shorter(VertId a, VertId b, double l) const noexcept {
+    const Vec3 d = x(b) - x(a);
+    const double qa = quad(metric.at[a].m, d), qb = quad(metric.at[b].m, d);
+    return qa * qb < l * l * l * l && log_mean(std::sqrt(qa), std::sqrt(qb)) < l;
+  }
+  /// length(a, b) > l, mostly without a root.
+  [[nodiscard]] bool is_longer(VertId a, VertId b, double l) const noexcept {
+    const Vec3 d = x(b) - x(a);
+    const double qa = quad(metric.at[a].m, d), qb = quad(metric.at[b].m, d);
+    return qa + qb > 2 * l * l && log_mean(std::sqrt(qa), std::sqrt(qb)) > l;
+  }
+  /// kMayBeLong, kMayBeShort for the edge from a to b, by bounds on its length that need no root: with la, lb its
+  /// lengths in the metrics of its ends, the logarithmic mean lies between sqrt(la lb) and sqrt((la^2 + lb^2)/2).
+  [[nodiscard]] std::uint8_t classify(VertId a, VertId b) const noexcept {
+    const Vec3 d = x(b) - x(a);
+    const double qa = quad(metric.at[a].m, d), qb = quad(metric.at[b].m, d);
+    const double low2 = options.collapse_below * options.collapse_below;
+    const bool is_long = qa + qb > 2 * options.split_above * options.split_above, is_short = qa * qb < low2 * low2;
+    return static_cast<std::uint8_t>((is_long ? kMayBeLong : 0) | (is_short ? kMayBeShort : 0));
   }
   [[nodiscard]] bool active(TetId t) const noexcept {
     const auto& v = mesh.tet2vert[t];
@@ -71,6 +106,8 @@ struct Part {
 
 /// Sizes the caches to the mesh and computes all qualities. @pre mesh has adjacency; metric has a value per vertex.
 void prepare(Part& part);
+/// Room for about `points` vertices in the end, so that the arrays need not be copied while they grow.
+void reserve(Part& part, std::size_t points);
 /// Renumbers the part along the Hilbert curve, without free slots, so that what is near in space is near in memory.
 /// Returns old vertex -> new vertex (kNoVert for free ones).
 IdVector<VertId, VertId> compact(Part& part);

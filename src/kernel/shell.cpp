@@ -12,12 +12,35 @@ int Shell::tagged_faces() const noexcept {
 namespace {
 constexpr std::size_t u(int i) noexcept { return static_cast<std::size_t>(i); }
 
-/// The ring vertex other than `from` of a tetrahedron with edge a, b.
-VertId other_ring_vertex(const std::array<VertId, 4>& tv, VertId a, VertId b, VertId from) noexcept {
-  for (const VertId v : tv) {
-    if (v != a && v != b && v != from) return v;
+enum class Walk { kRound, kOpen, kTooFar };
+
+/// From t0 with the ring edge (c, d) on, until the walk is back at t0, at an open face, or has met `max` tetrahedra.
+Walk walk_forward(const TetMesh& m, TetId t0, VertId c, VertId d, Shell& s, int max) noexcept {
+  s.closed = false;
+  s.n = 0;
+  s.ring[0] = c;
+  TetId t = t0;
+  for (;;) {
+    if (s.n == max) return Walk::kTooFar;
+    s.tet[u(s.n)] = t;
+    ++s.n;
+    s.ring[u(s.n)] = d;
+    const auto side = u(local_index(m.tet2vert[t], c));  // the face a, b, d
+    s.tag[u(s.n)] = m.face_tag[t][side];
+    const FaceId f = m.tet2face[t][side];
+    if (f == kNoFace) {
+      s.on_interface = !is_hull(s.tag[u(s.n)]);
+      return Walk::kOpen;
+    }
+    t = face_tet(f);
+    if (t == t0) {
+      s.closed = true;
+      s.tag[0] = s.tag[u(s.n)];
+      return Walk::kRound;
+    }
+    c = d;
+    d = m.tet2vert[t][u(face_side(f))];
   }
-  return kNoVert;
 }
 }  // namespace
 
@@ -42,47 +65,60 @@ bool gather_shell(const TetMesh& m, TetId t0, VertId a, VertId b, Shell& s, int 
       break;
     }
   }
-  // Backward to the open end, if there is one.
+  s.on_interface = false;
+  switch (walk_forward(m, t0, c, d, s, max)) {
+    case Walk::kRound:
+      return true;
+    case Walk::kTooFar:
+      return false;
+    case Walk::kOpen:
+      break;
+  }
+  // An open shell: back to its first face, and from there to the last.
   TetId t = t0;
-  s.closed = false;
-  for (int guard = 0; guard <= max; ++guard) {
+  for (int guard = 0;; ++guard) {
+    if (guard > max) return false;
     const FaceId f = m.tet2face[t][u(local_index(m.tet2vert[t], d))];  // the face a, b, c
     if (f == kNoFace) break;
-    const TetId nb = face_tet(f);
-    if (nb == t0) {
-      s.closed = true;
-      break;
-    }
-    const VertId before = m.tet2vert[nb][u(face_side(f))];
-    d = c;
-    c = before;
-    t = nb;
-    if (guard == max) return false;
-  }
-  // Forward.
-  s.n = 0;
-  const TetId first = t;
-  s.ring[0] = c;
-  s.tag[0] = m.face_tag[t][u(local_index(m.tet2vert[t], d))];
-  s.on_interface = !s.closed && !is_hull(s.tag[0]);
-  for (;;) {
-    if (s.n == max) return false;
-    s.tet[u(s.n)] = t;
-    const VertId next = other_ring_vertex(m.tet2vert[t], a, b, c);
-    ++s.n;
-    s.ring[u(s.n)] = next;
-    const auto side = u(local_index(m.tet2vert[t], c));
-    s.tag[u(s.n)] = m.face_tag[t][side];
-    const FaceId f = m.tet2face[t][side];
-    if (f == kNoFace) {
-      s.on_interface = s.on_interface || !is_hull(s.tag[u(s.n)]);
-      break;
-    }
     t = face_tet(f);
-    if (t == first) break;
-    c = next;
+    d = c;
+    c = m.tet2vert[t][u(face_side(f))];
   }
+  if (t != t0 && walk_forward(m, t, c, d, s, max) == Walk::kTooFar) return false;
+  s.tag[0] = m.face_tag[t][u(local_index(m.tet2vert[t], d))];
+  s.on_interface = s.on_interface || !is_hull(s.tag[0]);
   return true;
+}
+
+unsigned large_rings(const TetMesh& m, TetId t) noexcept {
+  const auto& tv = m.tet2vert[t];
+  const auto& tf = m.tet2face[t];
+  std::array<VertId, 4> apex;
+  for (std::size_t f = 0; f < 4; ++f) {
+    apex[f] = tf[f] == kNoFace ? kNoVert : m.tet2vert[face_tet(tf[f])][u(face_side(tf[f]))];
+  }
+  unsigned large = 0;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto c = u(kEdgeOpposite[e][0]), d = u(kEdgeOpposite[e][1]);
+    // Behind the two faces at the edge; with one apex they close a ring of three.
+    if (tf[c] == kNoFace || tf[d] == kNoFace || apex[c] == apex[d]) continue;
+    // A ring of four: the tetrahedron after the next has the other neighbour's apex.
+    const TetId next = face_tet(tf[c]);
+    const FaceId f = m.tet2face[next][u(local_index(m.tet2vert[next], tv[d]))];
+    if (f == kNoFace || m.tet2vert[face_tet(f)][u(face_side(f))] == apex[d]) continue;
+    large |= 1U << e;
+  }
+  return large;
+}
+
+void mark_refused(Part& p, const Shell& s) noexcept {
+  constexpr std::array<std::array<std::uint8_t, 4>, 4> kBit{
+      {{0, 1, 2, 4}, {1, 0, 8, 16}, {2, 8, 0, 32}, {4, 16, 32, 0}}};
+  for (int i = 0; i < s.n; ++i) {
+    const TetId t = s.tet[u(i)];
+    const auto& tv = p.mesh.tet2vert[t];
+    p.refused[t] |= kBit[u(local_index(tv, s.a))][u(local_index(tv, s.b))];
+  }
 }
 
 bool gather_ball(Part& p, VertId v, std::vector<TetId>& ball, std::size_t max) {

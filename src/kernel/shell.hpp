@@ -25,8 +25,16 @@ struct Shell {
   [[nodiscard]] int tagged_faces() const noexcept;
 };
 
-/// Fills the shell of the edge (a, b) of t. False when it has more than `max` tetrahedra. @pre max <= Shell::kMax.
+/// Fills the shell of the edge (a, b) of t. False when it has more than `max` tetrahedra; then the first `max` of them
+/// are there. @pre max <= Shell::kMax.
 bool gather_shell(const TetMesh& mesh, TetId t, VertId a, VertId b, Shell& shell, int max = Shell::kMax) noexcept;
+
+/// Bits of kEdgeVerts: the edges of t whose shells are certainly closed and have more than four tetrahedra; by a look
+/// at the neighbours, without walking round.
+unsigned large_rings(const TetMesh& mesh, TetId t) noexcept;
+
+/// Tells the shell's tetrahedra that the operation at hand has been refused for its edge (Part::refused).
+void mark_refused(Part& part, const Shell& shell) noexcept;
 
 /// Appends the tetrahedra at v to `ball`, marking them with a new stamp (Part::tet_stamp). False when there are more
 /// than `max`.

@@ -2,13 +2,14 @@
 #include "kernel/smooth.hpp"
 
 #include <algorithm>
-
-#include "mesh/predicates.hpp"
+#include <numeric>
 
 namespace skein {
 namespace {
 
 constexpr double kFlat = 1e-9;  ///< relative height up to which facets count as one plane, edges as one line
+constexpr std::size_t kMaxBall = 500;
+constexpr double kSmallestGain = 0.004;  ///< relative decrease of the sum that Newton's model must promise
 
 /// Solves the symmetric system h s = -g restricted to the directions of freedom; false if h is not positive there.
 bool solve3(const SymTensor& h, Vec3 g, Vec3& s) noexcept {
@@ -75,134 +76,137 @@ bool Smoother::freedom(VertId v, Freedom& free) {
   return true;
 }
 
-Vec3 Smoother::newton_step(VertId v, const Freedom& free) const noexcept {
-  const TetMesh& m = part_->mesh;
-  const Vec3 x = part_->x(v);
-  const SymTensor& metric = part_->metric.at[v].m;
-  Vec3 g;
-  SymTensor h;
-  for (const TetId t : ball_) {
-    const auto k = face_verts(m, make_face(t, local_index(m.tet2vert[t], v)));
-    const Vec3 a = part_->x(k[0]), b = part_->x(k[1]), c = part_->x(k[2]);
-    const Vec3 ab = b - a, ac = c - a, xa = a - x, xb = b - x, xc = c - x;
-    const Vec3 n = cross(ab, ac);
-    const double vol = dot(n, xa);
-    const Vec3 sum = xa + xb + xc;
-    const double s = quad(metric, xa) + quad(metric, xb) + quad(metric, xc) + quad(metric, ab) + quad(metric, ac) +
-                     quad(metric, c - b);
-    if (!(vol > 0)) return {};
-    // f = s^3/vol^2: log-derivatives of s (gradient -2 M sum, Hessian 6 M) and of vol (gradient -n).
-    const double rv = 1 / vol, rs = 1 / s;
-    const double f = s * s * s * rv * rv * part_->metric.at[v].sqrt_det;
-    const Vec3 ds = (-2 * rs) * mul(metric, sum), dv = (-rv) * n;
-    const Vec3 d = 3.0 * ds - 2.0 * dv;
-    g += f * d;
-    const auto outer = [](double w, Vec3 p) {
-      return SymTensor{w * p.x * p.x, w * p.x * p.y, w * p.y * p.y, w * p.x * p.z, w * p.y * p.z, w * p.z * p.z};
-    };
-    h = h + f * (outer(1, d) + outer(-3, ds) + outer(2, dv) + (18 * rs) * metric);
-  }
+Vec3 Smoother::newton_step(VertId v, const Freedom& free, double& gain) {
+  const Cone::Newton n = cone_.newton(part_->x(v), part_->metric.at[v].m);
+  if (!n.valid) return {};
+  const Vec3 g = n.gradient;
+  const SymTensor& h = n.hessian;
+  Vec3 step;
   if (free.dims == 1) {
     const double hh = dot(free.t0, mul(h, free.t0));
-    return hh > 0 ? (-dot(g, free.t0) / hh) * free.t0 : Vec3{};
-  }
-  if (free.dims == 2) {
+    if (hh > 0) step = (-dot(g, free.t0) / hh) * free.t0;
+  } else if (free.dims == 2) {
     const double h00 = dot(free.t0, mul(h, free.t0)), h01 = dot(free.t0, mul(h, free.t1)),
                  h11 = dot(free.t1, mul(h, free.t1));
     const double g0 = dot(g, free.t0), g1 = dot(g, free.t1), d = h00 * h11 - h01 * h01;
     if (!(h00 > 0) || !(d > 0)) return {};
-    return (-(h11 * g0 - h01 * g1) / d) * free.t0 + (-(h00 * g1 - h01 * g0) / d) * free.t1;
+    step = (-(h11 * g0 - h01 * g1) / d) * free.t0 + (-(h00 * g1 - h01 * g0) / d) * free.t1;
+  } else if (!solve3(h, g, step)) {
+    return {};
   }
-  Vec3 s;
-  return solve3(h, g, s) ? s : Vec3{};
+  gain = -0.5 * dot(g, step) / n.value;
+  return step;
 }
 
-bool Smoother::interpolate(VertId v, Vec3 x, SymTensor& log_m) const noexcept {
-  const TetMesh& m = part_->mesh;
-  double best = -1e300;
-  std::array<double, 4> weight{};
-  TetId in = kNoTet;
-  for (const TetId t : ball_) {
-    const auto& tv = m.tet2vert[t];
-    const Vec3 p[4] = {part_->x(tv[0]), part_->x(tv[1]), part_->x(tv[2]), part_->x(tv[3])};
-    const double whole = volume6(p[0], p[1], p[2], p[3]);
-    const std::array<double, 4> w{volume6(x, p[1], p[2], p[3]) / whole, volume6(p[0], x, p[2], p[3]) / whole,
-                                  volume6(p[0], p[1], x, p[3]) / whole, volume6(p[0], p[1], p[2], x) / whole};
-    const double low = std::min({w[0], w[1], w[2], w[3]});
-    if (low > best) {
-      best = low;
-      weight = w;
-      in = t;
-      if (low >= 0) break;
-    }
-  }
-  if (in == kNoTet || best < -0.1) return false;
-  double total = 0;
-  for (auto& w : weight) total += w = std::max(w, 0.0);
+bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
+  const Cone::Place place = cone_.locate(part_->x(v), step);
+  const TetId t = ball_[place.face];
+  const auto k = face_verts(part_->mesh, make_face(t, local_index(part_->mesh.tet2vert[t], v)));
+  double rest = 1;
   log_m = {};
-  for (std::size_t i = 0; i < 4; ++i) {
-    log_m = log_m + (weight[i] / total) * part_->metric.log_at[m.tet2vert[in][i]];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double w = std::max(place.weight[i], 0.0);
+    rest -= w;
+    log_m = log_m + w * part_->metric.log_at[k[i]];
   }
-  (void)v;
+  if (rest < -0.1) return false;  // beyond the ball
+  log_m = (1 / (1 - std::min(rest, 0.0))) * (log_m + std::max(rest, 0.0) * part_->metric.log_at[v]);
   return true;
 }
 
-bool Smoother::attempt(VertId v, Vec3 x, double old_sum, double old_min) {
+void Smoother::mark_changed(VertId v) {
+  // Which of the new edges are too long or too short is told to the ball's tetrahedra, so that the passes over lengths
+  // look at these only.
   Part& p = *part_;
-  const Vec3 was = p.x(v);
-  const VertMetric was_metric = p.metric.at[v];
-  const SymTensor was_log = p.metric.log_at[v];
-  SymTensor log_m;
-  if (!interpolate(v, x, log_m)) return false;
-  p.mesh.coords[v] = x;
-  p.metric.set_log(v, log_m);
-  double sum = 0, low = 1;
-  fresh_.clear();
+  std::uint8_t any = 0;
+  const std::uint32_t stamp = ++p.vert_stamp;
   for (const TetId t : ball_) {
-    const double q = quality_cubed(p, t);
-    const auto& tv = p.mesh.tet2vert[t];
-    if (!(q > 0) || orient3d_sign(p.x(tv[0]), p.x(tv[1]), p.x(tv[2]), p.x(tv[3])) <= 0) {
-      low = -1;
-      break;
+    for (const VertId w : p.mesh.tet2vert[t]) {
+      if (p.vert_mark[w] == stamp) continue;
+      p.vert_mark[w] = stamp;
+      p.edge_class[w] = w == v ? 0 : p.classify(v, w);
+      any |= p.edge_class[w];
     }
-    fresh_.push_back(q);
-    sum += 1 / q;
-    low = std::min(low, q);
   }
-  constexpr double kGood = 0.5 * 0.5 * 0.5;
-  if (low > 0 && sum < 0.995 * old_sum && low >= std::min(old_min, kGood)) {
-    for (std::size_t i = 0; i < ball_.size(); ++i) {
-      p.q3[ball_[i]] = static_cast<float>(fresh_[i]);
-      p.dirty[ball_[i]] = kAllPasses;
+  for (std::size_t i = 0; i < ball_.size(); ++i) {
+    const TetId t = ball_[i];
+    p.q3[t] = static_cast<float>(cone_.q3(i));
+    std::uint8_t bits = kAllPasses;
+    if (any != 0) {
+      for (const VertId w : p.mesh.tet2vert[t]) bits |= p.edge_class[w];
     }
-    return true;
+    p.dirty[t] |= bits;
   }
-  p.mesh.coords[v] = was;
-  p.metric.at[v] = was_metric;
-  p.metric.log_at[v] = was_log;
-  return false;
 }
 
-bool Smoother::move(VertId v) {
+bool Smoother::attempt(VertId v, Vec3 step, double old_sum, double old_min) {
   Part& p = *part_;
-  if (p.mesh.has(v, kFrozen | kCorner | kRequired)) return false;
+  SymTensor log_m;
+  if (!interpolate(v, step, log_m)) return false;
+  const Vec3 x = p.x(v) + step;
+  const VertMetric m = vert_metric_from_log(log_m);
+  const double low = cone_.judge(x, m);
+  constexpr double kGood = 0.5 * 0.5 * 0.5;
+  if (!(low > 0) || low < std::min(old_min, kGood) || cone_.sum_of_inverses() >= 0.995 * old_sum) return false;
+  p.mesh.coords[v] = x;
+  p.metric.at[v] = m;
+  p.metric.log_at[v] = log_m;
+  mark_changed(v);
+  return true;
+}
+
+void Smoother::index_balls() {
+  const TetMesh& m = part_->mesh;
+  first_.assign(m.vert_slots() + 1, 0);
+  for (const auto& tv : m.tet2vert) {
+    if (tv[0] == kNoVert) continue;
+    for (const VertId v : tv) ++first_[idx(v) + 1];
+  }
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  balls_.resize(static_cast<std::size_t>(first_.back()));
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t)) continue;
+    for (const VertId v : m.tet2vert[t]) balls_[static_cast<std::size_t>(first_[idx(v)]++)] = t;
+  }
+  // Every start has moved to the next one's.
+  std::move_backward(first_.begin(), first_.end() - 1, first_.end());
+  first_.front() = 0;
+}
+
+void Smoother::drop_index() noexcept { first_.clear(); }
+
+bool Smoother::find_ball(VertId v) {
   ball_.clear();
-  if (!gather_ball(p, v, ball_, 500)) return false;
+  if (first_.empty()) return gather_ball(*part_, v, ball_, kMaxBall);
+  const auto begin = first_[idx(v)], end = first_[idx(v) + 1];
+  if (static_cast<std::size_t>(end - begin) > kMaxBall) return false;
+  ball_.assign(balls_.begin() + begin, balls_.begin() + end);
+  return true;
+}
+
+bool Smoother::move(VertId v, int tries) {
+  Part& p = *part_;
+  if (p.mesh.has(v, kFrozen | kCorner | kRequired) || !find_ball(v)) return false;
   Freedom free;
   if (!freedom(v, free)) return false;
+  cone_.clear();
   double sum = 0, low = 1;
   for (const TetId t : ball_) {
+    const auto k = face_verts(p.mesh, make_face(t, local_index(p.mesh.tet2vert[t], v)));
+    cone_.add(p, k[0], k[1], k[2]);
     const double q = p.q3[t];
     sum += 1 / std::max(q, 1e-30);
     low = std::min(low, q);
   }
-  Vec3 step = newton_step(v, free);
-  if (!is_finite(step) || quad(p.metric.at[v].m, step) < 1e-4) return false;
+  double gain = 0;
+  Vec3 step = newton_step(v, free, gain);
+  if (!(gain > kSmallestGain) || !is_finite(step)) return false;
   // The step may not jump out of the ball: at most the size of an element.
-  const double length = std::sqrt(quad(p.metric.at[v].m, step));
-  if (length > 0.5) step = (0.5 / length) * step;
-  for (int i = 0; i < 3; ++i) {
-    if (attempt(v, p.x(v) + step, sum, low)) {
+  const double length2 = quad(p.metric.at[v].m, step);
+  if (length2 < 1e-4) return false;
+  if (length2 > 0.25) step = (0.5 / std::sqrt(length2)) * step;
+  for (int i = 0; i < tries; ++i) {
+    if (attempt(v, step, sum, low)) {
       ++p.counts.smooth;
       return true;
     }

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "kernel/cone.hpp"
 #include "kernel/part.hpp"
 #include "kernel/shell.hpp"
 
@@ -14,7 +15,11 @@ namespace skein {
 class Smoother {
  public:
   explicit Smoother(Part& part) : part_(&part) {}
-  bool move(VertId v);
+  /// Tries the full step, then up to tries - 1 shorter ones; in a converged mesh these hardly ever help.
+  bool move(VertId v, int tries = 1);
+  /// Makes the balls of all vertices at once, for many moves of a mesh whose topology does not change until drop_index.
+  void index_balls();
+  void drop_index() noexcept;
 
  private:
   /// Where v may move: the whole space, a plane or a line.
@@ -22,19 +27,19 @@ class Smoother {
     int dims = 3;
     Vec3 t0, t1;  ///< orthonormal directions of the plane or line
   };
-  struct Face {
-    Vec3 a, b, c;  ///< the face opposite v; (v, a, b, c) is positive
-    VertMetric m;  ///< the metric of largest determinant among its vertices
-    double s0;
-  };
   bool freedom(VertId v, Freedom& f);
-  [[nodiscard]] Vec3 newton_step(VertId v, const Freedom& f) const noexcept;
-  [[nodiscard]] bool interpolate(VertId v, Vec3 x, SymTensor& log_m) const noexcept;
-  bool attempt(VertId v, Vec3 x, double old_sum, double old_min);
+  /// `gain`: the relative decrease of the sum that the step promises.
+  [[nodiscard]] Vec3 newton_step(VertId v, const Freedom& f, double& gain);
+  [[nodiscard]] bool interpolate(VertId v, Vec3 step, SymTensor& log_m);
+  bool attempt(VertId v, Vec3 step, double old_sum, double old_min);
+  void mark_changed(VertId v);
+  bool find_ball(VertId v);
 
   Part* part_;
+  Cone cone_;
   std::vector<TetId> ball_;
-  std::vector<double> fresh_;
+  std::vector<std::int32_t> first_;  ///< of balls_, per vertex and one more; empty without an index
+  std::vector<TetId> balls_;
 };
 
 }  // namespace skein

@@ -10,17 +10,19 @@ namespace skein {
 /// Swaps that raise the worst quality of the elements they replace.
 class Swapper {
  public:
+  static constexpr int kMaxRing = 9;
   Swapper(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
 
   /// Removes edge (a, b) of t by the best triangulation of its skew polygon (Klincsek's dynamic programming: the worst
   /// new element as good as can be), if that is better than the shell by the factor `gain` in Q^3. Surface edges inside
-  /// one flat patch are swapped with their surface triangles.
-  bool edge(TetId t, VertId a, VertId b, double gain = 1.05);
+  /// one flat patch are swapped with their surface triangles. Not more than `max_ring` vertices round the edge.
+  bool edge(TetId t, VertId a, VertId b, int max_ring = kMaxRing, double gain = 1.05);
   /// Replaces the two tetrahedra at a face by three round a new edge, if that is better.
   bool face(FaceId f, double gain = 1.05);
+  /// Of the edge that was tried last; cut off where it was too large.
+  [[nodiscard]] const Shell& shell() const noexcept { return shell_; }
 
  private:
-  static constexpr int kMaxRing = 9;
   bool surface_swap_allowed();
   double best_triangulation(int ring);
   bool propose_polygon(int i, int j);

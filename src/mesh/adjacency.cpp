@@ -105,8 +105,9 @@ std::vector<Id> order_by_key(std::size_t n, const std::vector<std::uint64_t>& ke
 template <class Id, class T>
 void gather(IdVector<Id, T>& v, const std::vector<Id>& from) {
   if (v.empty() && !from.empty()) return;  // an array that the caller does not keep
-  IdVector<Id, T> out(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) out[to_id<Id>(i)] = v[from[i]];
+  IdVector<Id, T> out;
+  out.reserve(from.size() + from.size() / 16);  // a few more items then do not copy all of it
+  for (const Id i : from) out.push_back(v[i]);
   v = std::move(out);
 }
 

@@ -34,20 +34,18 @@ std::uint64_t hilbert_key(Vec3 x, const Box& box) noexcept {
   for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
     const std::uint32_t p = q - 1;
     for (auto& ai : a) {
-      if ((ai & q) != 0) {
-        a[0] ^= p;
-      } else {
-        const std::uint32_t t = (a[0] ^ ai) & p;
-        a[0] ^= t;
-        ai ^= t;
-      }
+      // Without a branch, since no processor could predict it: invert the low bits of a[0], or exchange them with ai's.
+      const std::uint32_t invert = (ai & q) != 0 ? p : 0;
+      const std::uint32_t t = (a[0] ^ ai) & p & ~invert;
+      a[0] ^= t | invert;
+      ai ^= t;
     }
   }
   a[1] ^= a[0];
   a[2] ^= a[1];
   std::uint32_t t = 0;
   for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
-    if ((a[2] & q) != 0) t ^= q - 1;
+    t ^= (a[2] & q) != 0 ? q - 1 : 0;
   }
   for (auto& ai : a) ai ^= t;
   return spread(a[0]) << 2 | spread(a[1]) << 1 | spread(a[2]);

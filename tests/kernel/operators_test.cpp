@@ -90,7 +90,7 @@ class Bench {
         return inside(t);
       case 3:
       case 4:
-        return collapse(a, b);
+        return collapse(t, a, b);
       case 5:
         return edge_swap(t, a, b);
       case 6:
@@ -185,11 +185,11 @@ class Bench {
     return did ? say("inside", inserted(before, exclusion, seed_min)) : "";
   }
 
-  std::string collapse(VertId v, VertId u) {
+  std::string collapse(TetId t, VertId v, VertId u) {
     const Snapshot before(part_);
     const double max_length = any(1, 6), floor_q3 = any(0, 0.03);
     const bool on_surface = part_.mesh.has(v, kSurface);
-    const bool did = collapse_.collapse(v, u, max_length, floor_q3);
+    const bool did = collapse_.collapse(v, u, t, max_length, floor_q3);
     if (auto fault = verdict(before, did, on_surface); !fault.empty()) return say("collapse", fault);
     if (!did) return {};
     surface_done += on_surface;
@@ -198,8 +198,8 @@ class Bench {
     if (!(c.new_min > std::min(floor_q3, 0.5 * c.old_min) * 0.999999))
       return say("collapse", "quality below the floor");
     // New are the edges from u to what was no neighbour of it.
-    for (const TetId t : c.fresh) {
-      for (const VertId w : part_.mesh.tet2vert[t]) {
+    for (const TetId fresh : c.fresh) {
+      for (const VertId w : part_.mesh.tet2vert[fresh]) {
         if (w == u || part_.length(u, w) <= max_length) continue;
         bool neighbour = false;
         for (const auto& tv : before.mesh.tet2vert) neighbour = neighbour || (has_vertex(tv, u) && has_vertex(tv, w));

@@ -1,0 +1,60 @@
+// Cone: many faces and one apex, measured eight at a time.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "kernel/part.hpp"
+
+namespace skein {
+
+/// Faces (a, b, c) that an apex on their positive side is joined to: a vertex with the faces of its ball, or a new
+/// point with the border of its cavity. Coordinates and metrics are copied into blocks of eight lanes, so that the
+/// compiler can use the vector unit.
+class Cone {
+ public:
+  void clear() noexcept { size_ = 0; }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  void add(const Part& part, VertId a, VertId b, VertId c);
+
+  /// Q^3 of every tetrahedron (x, a, b, c), to be read by q3(i); returns the smallest. 0 where the tetrahedron is not
+  /// certainly positive: its volume is within the rounding error of the orientation test.
+  double judge(Vec3 x, const VertMetric& m);
+  /// Of the i-th face added. @pre judge has been called since.
+  [[nodiscard]] double q3(std::size_t i) const noexcept { return q3_[i / kLanes][i % kLanes]; }
+  /// Sum of 1/Q^3 after judge. @pre all of them are positive.
+  [[nodiscard]] double sum_of_inverses() const noexcept;
+
+  /// Gradient and Hessian, by the apex at x, of F = the sum of 1/Q^3 in the metric m, up to one factor in all three.
+  struct Newton {
+    double value = 0;
+    Vec3 gradient;
+    SymTensor hessian;
+    bool valid = false;  ///< all volumes are positive
+  };
+  [[nodiscard]] Newton newton(Vec3 x, const SymTensor& m);
+
+  /// The tetrahedron of the cone with apex x in whose direction `step` leads from x.
+  struct Place {
+    std::size_t face = 0;
+    std::array<double, 3> weight{};  ///< barycentric weights of a, b, c at x + step; the rest is the apex's
+  };
+  [[nodiscard]] Place locate(Vec3 x, Vec3 step);
+
+ private:
+  static constexpr std::size_t kLanes = 8;
+  using Lanes = std::array<double, kLanes>;
+  struct alignas(64) Block {
+    std::array<Lanes, 3> a, b, c;
+    std::array<Lanes, 6> m;  ///< the metric of largest determinant among a, b, c
+    Lanes sqrt_det;
+  };
+  [[nodiscard]] std::size_t block_count() const noexcept { return (size_ + kLanes - 1) / kLanes; }
+  /// Fills the last block's empty lanes with its last face.
+  void pad() noexcept;
+
+  std::size_t size_ = 0;
+  std::vector<Block> blocks_;
+  std::vector<Lanes> q3_;
+};
+
+}  // namespace skein
