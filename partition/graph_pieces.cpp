@@ -174,18 +174,22 @@ std::size_t place_pieces(const Comm& comm, const DistGraph& d, int parts, std::i
 
 }  // namespace
 
-void join_pieces(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, std::int64_t max_piece,
-                 Parts& part) {
+std::size_t join_pieces(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, std::int64_t max_piece,
+                        Parts& part) {
   const std::size_t n = d.graph.nodes();
+  std::size_t left = 0;
   constexpr int kRounds = 4;  // a piece may have gone to another loose piece
   for (int r = 0; r < kRounds; ++r) {
     part.resize(n);
     for (const Rank p : d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; })) part.push_back(p);
     const auto label = label_pieces(comm, d, part);
     auto loose = loose_pieces(comm, d.graph, part, label, max_piece);
-    if (loose.empty() || place_pieces(comm, d, parts, capacity, loose, label, part) == 0) break;
+    const std::size_t moved = loose.empty() ? 0 : place_pieces(comm, d, parts, capacity, loose, label, part);
+    left = loose.size() - moved;
+    if (moved == 0) break;
   }
   part.resize(n);
+  return left;
 }
 
 }  // namespace skein

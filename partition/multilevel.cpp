@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "partition/graph.hpp"
@@ -48,6 +49,25 @@ Cost refine_cut(const Graph& g, int parts, std::int64_t capacity, Parts& part) {
   return cost;
 }
 
+constexpr auto kAnyWeight = std::numeric_limits<std::int64_t>::max() / 2;
+
+/// Gives loose pieces of parts to their neighbours, where that does not make the cut much longer. Only here, on few
+/// nodes, can parts make room for them and still be improved.
+void connect_coarse(const Graph& g, int parts, std::int64_t capacity, Cost cost, Parts& part) {
+  const DistGraph whole{g, {}};
+  const Comm alone = Comm::self();
+  const auto count_loose = [&](Parts p) {
+    return join_pieces(alone, whole, parts, 0, kAnyWeight, p);
+  };  // no room at all
+  const std::size_t loose = count_loose(part);
+  if (loose == 0) return;
+  Parts trial = part;
+  join_pieces(alone, whole, parts, kAnyWeight, kAnyWeight, trial);
+  const Cost then = refine_cut(g, parts, capacity, trial);
+  if (count_loose(trial) >= loose) return;
+  if (then.surplus <= cost.surplus && then.cut * 20 <= cost.cut * 21) part = std::move(trial);
+}
+
 /// The best of several cuts by bisection. With few parts they cost little, and luck in the first cuts counts more.
 Parts cut_coarse_graph(const Graph& g, int parts, std::int64_t capacity, std::uint64_t seed) {
   Cost best;
@@ -60,6 +80,7 @@ Parts cut_coarse_graph(const Graph& g, int parts, std::int64_t capacity, std::ui
     best = cost;
     part = std::move(trial);
   }
+  connect_coarse(g, parts, capacity, best, part);
   return part;
 }
 
@@ -184,6 +205,29 @@ Capacity capacities(std::int64_t total, std::int64_t heaviest, int parts, double
   return {at(0.96 * imbalance), at(imbalance)};
 }
 
+/// Collective. The weight of all parts together beyond the capacity.
+std::int64_t surplus(const Comm& comm, const Graph& g, int parts, std::int64_t capacity, const Parts& part) {
+  std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
+  for (const NodeId v : IdRange<NodeId>(g.nodes())) weight[idx(part[v])] += g.weight[v];
+  comm.reduce(std::span<std::int64_t>(weight), Op::kSum);
+  std::int64_t sum = 0;
+  for (const auto w : weight) sum += std::max<std::int64_t>(0, w - capacity);
+  return sum;
+}
+
+/// Collective. Makes the parts connected. Small pieces that have only full neighbours go there nevertheless, and these
+/// pass on what they have too much, if that works out.
+void connect_parts(const Comm& comm, const DistGraph& d, int parts, const Capacity& capacity, Parts& part) {
+  const std::size_t left = join_pieces(comm, d, parts, capacity.end, capacity.end, part);
+  if (left == 0) return;
+  Parts trial = part;
+  join_pieces(comm, d, parts, kAnyWeight, capacity.end / 30, trial);  // room for more would cost much cut
+  refine_level(comm, d, parts, capacity.search, trial, Refine::kBalanceOnly);
+  if (join_pieces(comm, d, parts, capacity.end, capacity.end, trial) >= left) return;
+  const auto over = [&](const Parts& p) { return surplus(comm, d.graph, parts, capacity.end, p); };
+  if (over(trial) <= over(part)) part = std::move(trial);
+}
+
 }  // namespace
 
 IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dist, std::span<const double> work,
@@ -213,7 +257,7 @@ IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dis
     part = std::move(finer);
     refine_level(comm, fine.dist, parts, capacity.search, part);
   }
-  join_pieces(comm, levels[0].dist, parts, capacity.end, capacity.end, part);
+  connect_parts(comm, levels[0].dist, parts, capacity, part);
   return IdVector<TetId, Rank>(std::move(part.raw()));
 }
 

@@ -62,7 +62,7 @@ Shares share_room(const Comm& comm, const DistGraph& d, const Parts& part, int p
 
 }  // namespace
 
-void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, Parts& part) {
+void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, Parts& part, Refine what) {
   const std::size_t n = d.graph.nodes();
   part.resize(n + d.ghosts.remote.size());
   const int turns = comm.size() == 1 ? 1 : 2;
@@ -72,7 +72,9 @@ void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t 
     const auto fixed = fixed_in_turn(comm, d, turn);
     Shares s = share_room(comm, d, part, parts, capacity);
     Refiner refiner(d.graph, part, s.weight, s.capacity, &fixed);
-    if (turn == 0) {
+    if (what == Refine::kBalanceOnly) {
+      refiner.balance();
+    } else if (turn == 0) {
       refine_all(refiner, n);
     } else {
       refiner.balance();

@@ -13,10 +13,12 @@ namespace skein {
 /// small ones from everywhere what those pass over; each alone leaves cuts that are several percent longer.
 void refine_all(Refiner& refiner, std::size_t nodes);
 
-/// Collective. Balances and shortens the cut of parts over all ranks. Where ranks touch, one of the two moves nodes at
-/// a time; of a part's room every rank that knows the part has an equal share, so that no part gets heavier than
-/// `capacity`. `part`: one per own node. @pre part in [0, parts).
+enum class Refine { kBalanceOnly, kAll };
+
+/// Collective. Balances and shortens (kAll) the cut of parts over all ranks. Where ranks touch, one of the two moves
+/// nodes at a time; of a part's room every rank that knows the part has an equal share, so that no part gets heavier
+/// than `capacity`. `part`: one per own node. @pre part in [0, parts).
 void refine_level(const Comm& comm, const DistGraph& graph, int parts, std::int64_t capacity,
-                  IdVector<NodeId, Rank>& part);
+                  IdVector<NodeId, Rank>& part, Refine what = Refine::kAll);
 
 }  // namespace skein

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
 
+#include "partition/graph.hpp"
+#include "partition/graph_pieces.hpp"
 #include "partition/partition.hpp"
 #include "partition/rebalance.hpp"
 #include "tests/partition/cube.hpp"
@@ -100,6 +103,32 @@ TEST(Multilevel, EverythingOnOneRankAndScattered) {
   check();
   migrate(comm, dist, scatter(comm, dist, 3));
   check();
+}
+
+TEST(Multilevel, LoosePiecesGoWhereThereIsRoom) {
+  const Comm& comm = world();
+  const DistMesh dist = distribute(comm, slices(comm, cube(8)));
+  const DistGraph graph = dual_graph(comm, dist, ones(dist));
+  // Two halves, and a ball of each far inside the other.
+  const auto at = [&](TetId t) {
+    const Vec3 c = centre(dist.mesh, t);
+    const auto in_ball = [&](double x) { return norm(c - Vec3{x, 0.5, 0.5}) < 0.2; };
+    return (c.x < 0.5) != (in_ball(0.25) || in_ball(0.75)) ? Rank{0} : Rank{1};
+  };
+  IdVector<NodeId, Rank> start;
+  for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) start.push_back(at(t));
+  constexpr auto kPlenty = std::numeric_limits<std::int64_t>::max() / 4;
+  const auto pieces = [&](const IdVector<NodeId, Rank>& part) {
+    return partition_stats(comm, dist, IdVector<TetId, Rank>(part.raw()), ones(dist), 2).components;
+  };
+  ASSERT_EQ(pieces(start), 4);
+  auto part = start;
+  EXPECT_EQ(join_pieces(comm, graph, 2, 0, kPlenty, part), 2U);
+  EXPECT_EQ(part, start);
+  EXPECT_EQ(join_pieces(comm, graph, 2, kPlenty, 1, part), 0U);  // heavier than what counts as loose
+  EXPECT_EQ(part, start);
+  EXPECT_EQ(join_pieces(comm, graph, 2, kPlenty, kPlenty, part), 0U);
+  EXPECT_EQ(pieces(part), 2);
 }
 
 TEST(Multilevel, NoCutThroughHeavyFaces) {
