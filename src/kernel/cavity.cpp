@@ -36,7 +36,6 @@ void Cavity::clear_new() noexcept {
   fresh_.clear();
   walls_.clear();
   new_min_ = 1;
-  edge_bits_ = kUnknownEdges;
 }
 
 bool Cavity::propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3) {
@@ -128,6 +127,7 @@ TetId Cavity::take_slot(std::size_t i) {
   p.q3.push_back(0);
   p.dirty.push_back(0);
   p.refused.push_back(0);
+  p.edges.push_back({});
   return p.tet_mark.push_back(0);
 }
 
@@ -177,7 +177,8 @@ void Cavity::commit() {
     m.tet_ref[t] = fresh_[i].ref;
     p.q3[t] = fresh_[i].q3;
     p.refused[t] = 0;
-    p.dirty[t] = kAllPasses | edge_bits_;
+    p.dirty[t] = kAllPasses;
+    p.edges[t] = p.classify_edges(t);
     for (const VertId v : fresh_[i].v) m.vert2tet[v] = t;
   }
   for (const TetId t : slots_) link(t);

@@ -37,10 +37,6 @@ class Cavity {
   /// the cavity's border; then the tetrahedron behind that gets it.
   void wall(VertId a, VertId b, VertId c, FaceTag tag);
 
-  /// kMayBeLong, kMayBeShort for all new tetrahedra; both, if nothing is said.
-  void set_edge_bits(int bits) noexcept { edge_bits_ = static_cast<std::uint8_t>(bits); }
-  void add_edge_bits(std::uint8_t bits) noexcept { edge_bits_ |= bits; }
-
   [[nodiscard]] double new_min_q3() const noexcept { return new_min_; }
   [[nodiscard]] double old_min_q3() const noexcept;
   [[nodiscard]] std::size_t new_size() const noexcept { return fresh_.size(); }
@@ -83,7 +79,6 @@ class Cavity {
   };
   std::vector<Wall> walls_;
   double new_min_ = 1;
-  std::uint8_t edge_bits_ = kUnknownEdges;
   std::vector<Entry> table_;
   std::uint32_t table_stamp_ = 0;
   std::size_t table_mask_ = 0;

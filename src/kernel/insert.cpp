@@ -7,6 +7,26 @@ namespace {
 constexpr std::size_t kMaxCavity = 96;
 constexpr int kShrinkTurns = 4;
 
+/// Edge bits of a tetrahedron -> those of its face's edges in a new tetrahedron (p, v0, v1, v2) on that face.
+constexpr auto kBaseEdges = [] {
+  std::array<std::array<std::uint8_t, 64>, 4> table{};
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto& k = kFaceVerts[f];
+    const auto edge = [&](int i, int j) {
+      return kEdgeOf[static_cast<std::size_t>(k[static_cast<std::size_t>(i)])]
+                    [static_cast<std::size_t>(k[static_cast<std::size_t>(j)])];
+    };
+    for (unsigned bits = 0; bits < 64; ++bits) {
+      table[f][bits] = static_cast<std::uint8_t>((bits >> edge(0, 1) & 1U) << 3 | (bits >> edge(0, 2) & 1U) << 4 |
+                                                 (bits >> edge(1, 2) & 1U) << 5);
+    }
+  }
+  return table;
+}();
+EdgeBits base_edges(EdgeBits old, std::size_t side) noexcept {
+  return {kBaseEdges[side][old.may_be_long], kBaseEdges[side][old.may_be_short]};
+}
+
 /// Positive when the origin lies inside the circumsphere, in the metric m, of the positively oriented tetrahedron with
 /// vertices a, b, c, d relative to it.
 double in_sphere(const SymTensor& m, Vec3 a, Vec3 b, Vec3 c, Vec3 d) noexcept {
@@ -72,7 +92,7 @@ void Inserter::collect_border() {
       const auto v = face_verts(m, face);
       const auto s = static_cast<std::size_t>(f);
       border_.push_back({v, m.tet2face[old[i]][s], static_cast<std::uint32_t>(i), m.tet_ref[old[i]],
-                         m.face_tag[old[i]][s], part_->dirty[old[i]]});
+                         m.face_tag[old[i]][s], base_edges(part_->edges[old[i]], s)});
       cone_.add(*part_, v[0], v[1], v[2]);
     }
   }
@@ -169,10 +189,6 @@ void Inserter::commit(VertId p) {
     commit_cone(p);
     return;
   }
-  std::uint8_t bits = 0;
-  for (const VertId v : link_) bits |= part_->edge_class[v];
-  for (const Border& f : border_) bits |= f.dirty;
-  cavity_->set_edge_bits(bits & kUnknownEdges);
   for (std::size_t i = 0; i < border_.size(); ++i) {
     const Border& f = border_[i];
     cavity_->accept(p, f.v[0], f.v[1], f.v[2], f.ref, cone_.q3(i));
@@ -192,10 +208,10 @@ void Inserter::commit_cone(VertId p) {
     const TetId t = cavity_->take_slot(i);
     slots_.push_back(t);
     std::array<std::size_t, 3> k;
-    std::uint8_t bits = static_cast<std::uint8_t>(kAllPasses | (f.dirty & kUnknownEdges));
+    EdgeBits bits = f.edges;
     for (std::size_t e = 0; e < 3; ++e) {
       k[e] = part.vert_mark[f.v[e]];
-      bits |= part.edge_class[f.v[e]];
+      bits.add(e, part.edge_class[f.v[e]]);
       m.vert2tet[f.v[e]] = t;
     }
     m.tet2vert[t] = {p, f.v[0], f.v[1], f.v[2]};
@@ -203,7 +219,8 @@ void Inserter::commit_cone(VertId p) {
     m.face_tag[t] = {f.tag, 0, 0, 0};
     m.tet_ref[t] = f.ref;
     part.q3[t] = static_cast<float>(cone_.q3(i));
-    part.dirty[t] = bits;
+    part.dirty[t] = kAllPasses;
+    part.edges[t] = bits;
     part.tet_mark[t] = 0;
     part.refused[t] = 0;
     if (f.behind != kNoFace) {

@@ -51,7 +51,7 @@ class Inserter {
     std::uint32_t old;  ///< position in the cavity's old tetrahedra
     std::int32_t ref;
     FaceTag tag;
-    std::uint8_t dirty;  ///< of the old tetrahedron
+    EdgeBits edges;  ///< of the face, as they will be in the new tetrahedron
   };
   static constexpr std::size_t kMaxLink = 64;
 

@@ -24,10 +24,12 @@ void prepare(Part& p) {
   p.tet_stamp = p.vert_stamp = 0;
   p.free_tets.clear();
   p.free_verts.clear();
-  p.dirty.assign(nt, kAllPasses | kUnknownEdges);
+  p.dirty.assign(nt, kAllPasses);
+  p.edges.assign(nt, {});
   for (const TetId t : IdRange<TetId>(nt)) {
     if (p.mesh.is_live(t)) {
       p.q3[t] = static_cast<float>(quality_cubed(p, t));
+      p.edges[t] = p.classify_edges(t);
     } else {
       p.free_tets.push_back(t);
     }
@@ -56,6 +58,7 @@ void reserve(Part& p, std::size_t points) {
   p.tet_mark.reserve(nt);
   p.refused.reserve(nt);
   p.dirty.reserve(nt);
+  p.edges.reserve(nt);
 }
 
 IdVector<VertId, VertId> compact(Part& p) {
@@ -66,6 +69,7 @@ IdVector<VertId, VertId> compact(Part& p) {
   permute(p.metric.log_at, verts, nv);
   permute(p.q3, tets, nt);
   permute(p.dirty, tets, nt);
+  permute(p.edges, tets, nt);
   p.tet_mark.assign(nt, 0);
   p.refused.assign(nt, 0);
   p.vert_mark.assign(nv, 0);

@@ -26,18 +26,28 @@ struct KernelOptions {
 
 /// The kinds of passes, as bits of Part::dirty. A pass looks only at what has changed since it looked last, so that a
 /// converged mesh costs nothing but a scan of one byte per tetrahedron.
-/// Beside them, two bits tell that an edge may be longer than split_above or shorter than collapse_below: only
-/// tetrahedra with such a bit are measured by the passes over lengths. Who makes or changes an edge sets them.
-enum Pass : std::uint8_t {
-  kCollapsePass = 1,
-  kInsertPass = 2,
-  kSwapPass = 4,
-  kSmoothPass = 8,
-  kAllPasses = 15,
-  kMayBeLong = 16,
-  kMayBeShort = 32,
-  kUnknownEdges = 48,
+enum Pass : std::uint8_t { kCollapsePass = 1, kInsertPass = 2, kSwapPass = 4, kSmoothPass = 8, kAllPasses = 15 };
+
+/// Of an edge: it may be longer than split_above, shorter than collapse_below.
+enum EdgeClass : std::uint8_t { kMayBeLong = 1, kMayBeShort = 2 };
+
+/// The edges of a tetrahedron (bits of kEdgeVerts) of each class. The passes over lengths measure only these; who makes
+/// or moves an edge keeps them right.
+struct EdgeBits {
+  std::uint8_t may_be_long = 0, may_be_short = 0;
+  /// Adds the classes of edge e.
+  constexpr void add(std::size_t e, std::uint8_t edge_class) noexcept {
+    may_be_long = static_cast<std::uint8_t>(may_be_long | (edge_class & kMayBeLong) << e);
+    may_be_short = static_cast<std::uint8_t>(may_be_short | (edge_class & kMayBeShort) >> 1 << e);
+  }
+  constexpr void keep(unsigned edges) noexcept {
+    may_be_long = static_cast<std::uint8_t>(may_be_long & edges);
+    may_be_short = static_cast<std::uint8_t>(may_be_short & edges);
+  }
 };
+/// The edge between two local vertices, in kEdgeVerts.
+inline constexpr std::array<std::array<std::uint8_t, 4>, 4> kEdgeOf{
+    {{6, 0, 1, 2}, {0, 6, 3, 4}, {1, 3, 6, 5}, {2, 4, 5, 6}}};
 
 /// What a part has done.
 struct OperationCounts {
@@ -69,8 +79,8 @@ struct Part {
   std::uint32_t tet_stamp = 0, vert_stamp = 0;
   std::vector<TetId> free_tets;
   std::vector<VertId> free_verts;
-  IdVector<TetId, std::uint8_t>
-      dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it; kMayBeLong, kMayBeShort
+  IdVector<TetId, std::uint8_t> dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it
+  IdVector<TetId, EdgeBits> edges;
 
   [[nodiscard]] Vec3 x(VertId v) const noexcept { return mesh.coords[v]; }
   [[nodiscard]] double length(VertId a, VertId b) const noexcept {
@@ -88,7 +98,7 @@ struct Part {
     const double qa = quad(metric.at[a].m, d), qb = quad(metric.at[b].m, d);
     return qa + qb > 2 * l * l && log_mean(std::sqrt(qa), std::sqrt(qb)) > l;
   }
-  /// kMayBeLong, kMayBeShort for the edge from a to b, by bounds on its length that need no root: with la, lb its
+  /// EdgeClass bits of the edge from a to b, by bounds on its length that need no root: with la, lb its
   /// lengths in the metrics of its ends, the logarithmic mean lies between sqrt(la lb) and sqrt((la^2 + lb^2)/2).
   [[nodiscard]] std::uint8_t classify(VertId a, VertId b) const noexcept {
     const Vec3 d = x(b) - x(a);
@@ -96,6 +106,15 @@ struct Part {
     const double low2 = options.collapse_below * options.collapse_below;
     const bool is_long = qa + qb > 2 * options.split_above * options.split_above, is_short = qa * qb < low2 * low2;
     return static_cast<std::uint8_t>((is_long ? kMayBeLong : 0) | (is_short ? kMayBeShort : 0));
+  }
+  [[nodiscard]] EdgeBits classify_edges(TetId t) const noexcept {
+    EdgeBits bits;
+    const auto& v = mesh.tet2vert[t];
+    for (std::size_t e = 0; e < 6; ++e) {
+      bits.add(e,
+               classify(v[static_cast<std::size_t>(kEdgeVerts[e][0])], v[static_cast<std::size_t>(kEdgeVerts[e][1])]));
+    }
+    return bits;
   }
   [[nodiscard]] bool active(TetId t) const noexcept {
     const auto& v = mesh.tet2vert[t];

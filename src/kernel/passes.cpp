@@ -2,6 +2,7 @@
 #include "kernel/passes.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "kernel/cavity.hpp"
@@ -27,6 +28,8 @@ constexpr double kHardQuality = 0.45;
 /// The main turns end when not more than one vertex in so many has come or gone.
 constexpr std::int64_t kSettled = 20;
 constexpr int kMostTurns = 5;
+/// A mesh that has grown by this factor is put in order again, if it is larger than the caches.
+constexpr std::size_t kGrowth = 4, kSmallMesh = 100'000;
 constexpr int kHuntTurns = 8, kHuntTries = 3;
 constexpr std::size_t kIndexShare = 8;                ///< from one vertex in so many on, all balls are found at once
 constexpr double kHuntLong = 1.8, kHuntShort = 0.55;  ///< edges that are hunted
@@ -43,7 +46,11 @@ class Passes {
         insert_(part, cavity_),
         collapse_(part, cavity_),
         swap_(part, cavity_),
-        smooth_(part) {}
+        smooth_(part),
+        old2new_(part.mesh.vert_slots()),
+        ordered_(part.mesh.tet_slots()) {
+    for (const VertId v : IdRange<VertId>(old2new_.size())) old2new_[v] = part.mesh.is_live(v) ? v : kNoVert;
+  }
 
   std::int64_t collapse_short(double below, double max_length, double floor_q3);
   std::int64_t create_points();
@@ -55,6 +62,10 @@ class Passes {
   /// Works on the elements below `target` with every operator, accepting only what makes the worst element better,
   /// until none can be improved.
   void hunt_worst(double target);
+  /// Puts what is near in space near in memory.
+  void order();
+  /// Vertices before the first pass -> vertices now.
+  [[nodiscard]] IdVector<VertId, VertId>& old2new() noexcept { return old2new_; }
 
  private:
   /// A new sweep asks everywhere again.
@@ -83,6 +94,8 @@ class Passes {
   Smoother smooth_;
   Shell shell_;
   std::vector<VertId> to_move_;
+  IdVector<VertId, VertId> old2new_;
+  std::size_t ordered_;         ///< tetrahedra when they were put in order
   std::int64_t expected_ = -1;  ///< expected_points() before the first points
 };
 
@@ -91,9 +104,8 @@ void Passes::sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit) {
   for (int s = 0; s < sweeps; ++s) {
     bool any = false;
     forget_refused();
-    // The mesh may grow while this runs; what is added at the end belongs to this sweep.
-    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
-      const auto t = to_id<TetId>(i);
+    // The mesh may grow while this runs; what is added at the end belongs to the next sweep.
+    for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
       if ((part_.dirty[t] & pass) == 0) continue;
       part_.dirty[t] = static_cast<std::uint8_t>(part_.dirty[t] & ~pass);
       if (!wanted(t) || !part_.mesh.is_live(t) || !part_.active(t)) continue;
@@ -101,91 +113,77 @@ void Passes::sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit) {
       visit(t);
     }
     if (!any) return;
+    if (part_.mesh.tet_slots() > kGrowth * std::max(ordered_, kSmallMesh)) order();
   }
 }
 
-/// The metric lengths of a tetrahedron's edges, as far as they matter: with la, lb the lengths in the metrics of its
-/// ends, the logarithmic mean lies between sqrt(la lb) and sqrt((la^2 + lb^2)/2), which need no logarithm to tell that
-/// an edge is fine.
-struct EdgeLengths {
-  std::array<double, 6> qa, qb;  ///< squares
-  EdgeLengths(const Part& p, const std::array<VertId, 4>& v) noexcept {
-    for (std::size_t e = 0; e < 6; ++e) {
-      const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
-      const Vec3 d = p.x(b) - p.x(a);
-      qa[e] = quad(p.metric.at[a].m, d);
-      qb[e] = quad(p.metric.at[b].m, d);
-    }
+void Passes::order() {
+  const auto step = compact(part_);
+  for (VertId& v : old2new_) {
+    if (v != kNoVert) v = step[v];
   }
-  [[nodiscard]] double length(std::size_t e) const noexcept { return log_mean(std::sqrt(qa[e]), std::sqrt(qb[e])); }
-  /// The shortest edge if it is shorter than `below`, else 6.
-  [[nodiscard]] std::size_t shortest(double below) const noexcept {
-    std::size_t at = 6;
-    double best = below;
-    for (std::size_t e = 0; e < 6; ++e) {
-      if (qa[e] * qb[e] >= best * best * best * best) continue;
-      const double l = length(e);
-      if (l < best) best = l, at = e;
-    }
-    return at;
+  ordered_ = part_.mesh.tet_slots();
+}
+
+/// Calls visit(edge, a, b, la, lb) for the edges in the mask, with their lengths in the metrics of their ends.
+template <class Visit>
+void measure(const Part& p, const std::array<VertId, 4>& v, unsigned mask, Visit&& visit) {
+  for (; mask != 0; mask &= mask - 1) {
+    const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+    const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
+    const Vec3 d = p.x(b) - p.x(a);
+    visit(e, a, b, std::sqrt(quad(p.metric.at[a].m, d)), std::sqrt(quad(p.metric.at[b].m, d)));
   }
-  /// Edges longer than `above`, longest first; their number.
-  std::size_t longer(double above, std::array<std::pair<double, std::size_t>, 6>& out) const noexcept {
-    std::size_t n = 0;
-    for (std::size_t e = 0; e < 6; ++e) {
-      if (qa[e] + qb[e] <= 2 * above * above) continue;
-      const double l = length(e);
-      if (l <= above) continue;
-      std::size_t at = n++;
-      for (; at > 0 && out[at - 1].first < l; --at) out[at] = out[at - 1];
-      out[at] = {l, e};
-    }
-    return n;
-  }
-};
+}
 
 bool Passes::collapse_in(TetId t, double below, double max_length, double floor_q3) {
-  if ((part_.dirty[t] & kMayBeShort) == 0) return false;
   const auto v = part_.mesh.tet2vert[t];
-  const EdgeLengths len(part_, v);
-  const std::size_t e = len.shortest(below);
-  if (e == 6) {
-    if (below >= part_.options.collapse_below) part_.dirty[t] &= static_cast<std::uint8_t>(~kMayBeShort);
-    return false;
-  }
-  const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
-  if (!part_.mesh.has(a, kActive) && !part_.mesh.has(b, kActive)) return false;
-  if ((part_.refused[t] & (1U << e)) != 0) return false;
-  if (collapse_.collapse(a, b, t, max_length, floor_q3) || collapse_.collapse(b, a, t, max_length, floor_q3))
+  std::size_t edge = 6;
+  VertId from = kNoVert, to = kNoVert;
+  double shortest = below;
+  measure(part_, v, part_.edges[t].may_be_short, [&](std::size_t e, VertId a, VertId b, double la, double lb) {
+    const double l = log_mean(la, lb);
+    if (l < shortest) shortest = l, edge = e, from = a, to = b;
+  });
+  if (edge == 6 || (part_.refused[t] & (1U << edge)) != 0) return false;
+  if (!part_.mesh.has(from, kActive) && !part_.mesh.has(to, kActive)) return false;
+  if (collapse_.collapse(from, to, t, max_length, floor_q3) || collapse_.collapse(to, from, t, max_length, floor_q3)) {
     return true;
-  if (gather_shell(part_.mesh, t, a, b, shell_)) mark_refused(part_, shell_);
+  }
+  if (gather_shell(part_.mesh, t, from, to, shell_)) mark_refused(part_, shell_);
   return false;
 }
 
 std::int64_t Passes::collapse_short(double below, double max_length, double floor_q3) {
   const std::int64_t before = part_.counts.collapse;
-  const auto wanted = [&](TetId t) { return (part_.dirty[t] & kMayBeShort) != 0; };
+  const auto wanted = [&](TetId t) { return part_.edges[t].may_be_short != 0; };
   sweep(kCollapsePass, 10, wanted, [&](TetId t) { collapse_in(t, below, max_length, floor_q3); });
   return part_.counts.collapse - before;
 }
 
 bool Passes::split_in(TetId t, double above) {
-  if ((part_.dirty[t] & kMayBeLong) == 0) return false;
+  struct Long {
+    double length, ratio;  ///< ratio of the lengths in the metrics of b and a
+    VertId a, b;
+  };
+  std::array<Long, 6> order;
+  std::size_t n_long = 0;
   const auto v = part_.mesh.tet2vert[t];
-  const EdgeLengths len(part_, v);
-  std::array<std::pair<double, std::size_t>, 6> order;
-  const std::size_t n_long = len.longer(above, order);
-  if (n_long == 0 && above <= part_.options.split_above) part_.dirty[t] &= static_cast<std::uint8_t>(~kMayBeLong);
+  const unsigned mask = part_.edges[t].may_be_long & ~static_cast<unsigned>(part_.refused[t]);
+  measure(part_, v, mask, [&](std::size_t, VertId a, VertId b, double la, double lb) {
+    const double l = log_mean(la, lb);
+    if (l <= above) return;
+    std::size_t at = n_long++;
+    for (; at > 0 && order[at - 1].length < l; --at) order[at] = order[at - 1];
+    order[at] = {l, lb / la, a, b};
+  });
   for (std::size_t i = 0; i < n_long; ++i) {
-    const double l = order[i].first;
-    const std::size_t e = order[i].second;
-    const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
+    const auto& [l, r, a, b] = order[i];
     if (!part_.mesh.has(a, kActive) && !part_.mesh.has(b, kActive)) continue;
-    if ((part_.refused[t] & (1U << e)) != 0) continue;
     // Unit steps: of n pieces, the one in the middle ends the first half. With sizes that change geometrically along
     // the edge, s is the parameter of the metric fraction f.
     const double n = std::max(2.0, std::round(l));
-    const double f = std::floor(n / 2) / n, r = std::sqrt(len.qb[e] / len.qa[e]);
+    const double f = std::floor(n / 2) / n;
     double s = f;
     if (std::abs(r - 1) > 1e-3) s = std::log(1 + f * (r - 1)) / std::log(r);
     s = std::clamp(s, 0.1, 0.9);
@@ -196,12 +194,15 @@ bool Passes::split_in(TetId t, double above) {
 }
 
 bool Passes::centroid_in(TetId t) {
-  const auto v = part_.mesh.tet2vert[t];
-  std::array<std::pair<double, std::size_t>, 6> order;
-  if (EdgeLengths(part_, v).longer(part_.options.split_above, order) == 0) return false;
+  bool is_long = false;
+  measure(part_, part_.mesh.tet2vert[t], part_.edges[t].may_be_long,
+          [&](std::size_t, VertId, VertId, double la, double lb) {
+            is_long = is_long || log_mean(la, lb) > part_.options.split_above;
+          });
+  if (!is_long) return false;
   if (insert_.inside(t, {0.25, 0.25, 0.25, 0.25}, part_.options.length_min_new) == InsertResult::kDone) return true;
-  return split_in(
-      t, part_.options.split_above);  // the boundary is refined along its edges, and what centroids cannot reach
+  // The boundary is refined along its edges, and what centroids cannot reach.
+  return split_in(t, part_.options.split_above);
 }
 
 std::int64_t Passes::expected_points() const {
@@ -222,7 +223,7 @@ std::int64_t Passes::create_points() {
     reserve(part_, static_cast<std::size_t>(expected_));
   }
   const std::int64_t enough = before + kRunaway * expected_;
-  const auto wanted = [&](TetId t) { return (part_.dirty[t] & kMayBeLong) != 0; };
+  const auto wanted = [&](TetId t) { return part_.edges[t].may_be_long != 0; };
   sweep(kInsertPass, 100, wanted, [&](TetId t) {
     if (part_.counts.insert > enough) return;
     // In needles the distance to what is near cannot be seen from the cavity: better connected first.
@@ -306,6 +307,7 @@ void Passes::hunt_lengths() {
   forget_refused();
   for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
     const auto t = to_id<TetId>(i);
+    if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) continue;
     if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
     if (!split_in(t, kHuntLong)) collapse_in(t, kHuntShort, kHuntLong, kFloor);
   }
@@ -334,7 +336,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
   pass.create_points();
-  auto old2new = compact(part);
+  pass.order();
   for (int i = 0; i < kMostTurns; ++i) {
     pass.swap_below(0.7);
     pass.smooth_below(0.9);
@@ -348,7 +350,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   pass.smooth_below(0.75);
   pass.hunt_lengths();
   pass.hunt_worst(0.5);
-  return old2new;
+  return std::move(pass.old2new());
 }
 
 }  // namespace skein

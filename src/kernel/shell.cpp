@@ -112,12 +112,10 @@ unsigned large_rings(const TetMesh& m, TetId t) noexcept {
 }
 
 void mark_refused(Part& p, const Shell& s) noexcept {
-  constexpr std::array<std::array<std::uint8_t, 4>, 4> kBit{
-      {{0, 1, 2, 4}, {1, 0, 8, 16}, {2, 8, 0, 32}, {4, 16, 32, 0}}};
   for (int i = 0; i < s.n; ++i) {
     const TetId t = s.tet[u(i)];
     const auto& tv = p.mesh.tet2vert[t];
-    p.refused[t] |= kBit[u(local_index(tv, s.a))][u(local_index(tv, s.b))];
+    p.refused[t] |= static_cast<std::uint8_t>(1U << kEdgeOf[u(local_index(tv, s.a))][u(local_index(tv, s.b))]);
   }
 }
 

@@ -115,8 +115,6 @@ bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
 }
 
 void Smoother::mark_changed(VertId v) {
-  // Which of the new edges are too long or too short is told to the ball's tetrahedra, so that the passes over lengths
-  // look at these only.
   Part& p = *part_;
   std::uint8_t any = 0;
   const std::uint32_t stamp = ++p.vert_stamp;
@@ -131,11 +129,14 @@ void Smoother::mark_changed(VertId v) {
   for (std::size_t i = 0; i < ball_.size(); ++i) {
     const TetId t = ball_[i];
     p.q3[t] = static_cast<float>(cone_.q3(i));
-    std::uint8_t bits = kAllPasses;
-    if (any != 0) {
-      for (const VertId w : p.mesh.tet2vert[t]) bits |= p.edge_class[w];
+    p.dirty[t] = kAllPasses;
+    const auto& tv = p.mesh.tet2vert[t];
+    const auto& edge_of = kEdgeOf[static_cast<std::size_t>(local_index(tv, v))];
+    p.edges[t].keep(~(1U << edge_of[0] | 1U << edge_of[1] | 1U << edge_of[2] | 1U << edge_of[3]));
+    if (any == 0) continue;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (tv[k] != v) p.edges[t].add(edge_of[k], p.edge_class[tv[k]]);
     }
-    p.dirty[t] |= bits;
   }
 }
 

@@ -67,7 +67,6 @@ bool Swapper::propose_polygon(int i, int j) {
   if (j - i < 2) return true;
   const int k = split_[u(i)][u(j)];
   const VertId p = shell_.ring[u(i)], r = shell_.ring[u(k)], s = shell_.ring[u(j)];
-  cavity_->add_edge_bits(part_->classify(p, s));
   const std::int32_t ref = part_->mesh.tet_ref[shell_.tet[0]];
   return cavity_->propose(p, r, s, shell_.b, ref, bound_) && cavity_->propose(p, s, r, shell_.a, ref, bound_) &&
          propose_polygon(i, k) && propose_polygon(k, j);
@@ -83,16 +82,13 @@ bool Swapper::edge(TetId t, VertId a, VertId b, int max_ring, double gain) {
   if (shell_.closed ? tagged != 0 : tagged != 2) return false;
   if (!shell_.closed && !surface_swap_allowed()) return false;
   float worst = 1;
-  std::uint8_t bits = 0;
   for (int i = 0; i < shell_.n; ++i) {
     worst = std::min(worst, part_->q3[shell_.tet[u(i)]]);
-    bits |= part_->dirty[shell_.tet[u(i)]];
   }
   bound_ = std::max(gain * static_cast<double>(worst), 1e-15);
   if (best_triangulation(ring) <= bound_) return false;
   cavity_->clear();
   for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[u(i)]);
-  cavity_->set_edge_bits(bits & kUnknownEdges);
   if (!propose_polygon(0, ring - 1)) return false;
   if (!shell_.closed) {
     const VertId r0 = shell_.ring[0], r1 = shell_.ring[u(ring - 1)];

@@ -106,7 +106,7 @@ template <class Id, class T>
 void gather(IdVector<Id, T>& v, const std::vector<Id>& from) {
   if (v.empty() && !from.empty()) return;  // an array that the caller does not keep
   IdVector<Id, T> out;
-  out.reserve(from.size() + from.size() / 16);  // a few more items then do not copy all of it
+  out.reserve(std::max(v.raw().capacity(), from.size()));  // what was to come still has its place
   for (const Id i : from) out.push_back(v[i]);
   v = std::move(out);
 }
