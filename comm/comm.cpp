@@ -1,6 +1,7 @@
 // Environment, Comm's life, clocks.
 #include "comm/comm.hpp"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <time.h>
 
@@ -83,6 +84,12 @@ std::int64_t peak_memory() noexcept {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return std::int64_t{usage.ru_maxrss} * 1024;
+}
+
+void release_freed_memory() noexcept {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 }  // namespace skein

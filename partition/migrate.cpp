@@ -227,18 +227,26 @@ Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leavin
   return seams;
 }
 
+/// To n items without room for more: growing an array the usual way doubles it.
+template <class Vector>
+void resize_exactly(Vector& v, std::size_t n) {
+  v.reserve(n);
+  v.resize(n);
+}
+
 void resize_all(DistMesh& dist, std::size_t nv, std::size_t nt) {
   TetMesh& m = dist.mesh;
-  m.coords.resize(nv);
-  m.vert_ref.resize(nv);
-  m.vert_flags.resize(nv);
+  resize_exactly(m.coords, nv);
+  resize_exactly(m.vert_ref, nv);
+  resize_exactly(m.vert_flags, nv);
+  resize_exactly(m.vert2tet, nv);
   m.vert2tet.assign(nv, kNoTet);
-  dist.vert2gid.resize(nv);
-  dist.data.values.resize(nv * static_cast<std::size_t>(dist.data.width));
-  m.tet2vert.resize(nt);
-  m.tet2face.resize(nt);
-  m.face_tag.resize(nt);
-  m.tet_ref.resize(nt);
+  resize_exactly(dist.vert2gid, nv);
+  resize_exactly(dist.data.values, nv * static_cast<std::size_t>(dist.data.width));
+  resize_exactly(m.tet2vert, nt);
+  resize_exactly(m.tet2face, nt);
+  resize_exactly(m.face_tag, nt);
+  resize_exactly(m.tet_ref, nt);
 }
 
 /// Local numbers of the vertices that came: those that are here already by their global id, the others in order.

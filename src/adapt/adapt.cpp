@@ -141,7 +141,8 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& 
 /// Collective. Equal numbers of tetrahedra for whatever comes next. Displaced interfaces have taken from some ranks and
 /// given to others; ranks that had no part get one.
 void even_out(const Comm& comm, DistMesh& dist, int parts) {
-  if (comm.size() == 1) return;
+  const auto most = static_cast<double>(comm.max(static_cast<std::int64_t>(dist.mesh.tet_slots())));
+  if (most * comm.size() <= (1 + kImbalance) * static_cast<double>(dist.global_tets)) return;
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
   migrate(comm, dist,
           parts < comm.size() ? partition(comm, dist, work, comm.size()) : rebalance(comm, dist, work, kImbalance));

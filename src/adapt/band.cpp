@@ -70,6 +70,10 @@ class Return {
       if (old2new[v] == kNoVert) free_verts_.push_back(band_.to_rank[v]);
     }
     std::sort(free_verts_.begin(), free_verts_.end());
+    const auto kept =
+        static_cast<std::size_t>(std::count_if(vert_.begin(), vert_.end(), [](VertId v) { return v != kNoVert; }));
+    const std::size_t fresh = b_.vert_slots() - kept;
+    if (fresh > free_verts_.size()) reserve_verts(m_.vert_slots() + fresh - free_verts_.size());
     std::size_t next = 0;
     for (const VertId v : IdRange<VertId>(b_.vert_slots())) {
       if (vert_[v] != kNoVert) continue;
@@ -77,6 +81,15 @@ class Return {
       copy_vertex(v, vert_[v]);
     }
     free_verts_.erase(free_verts_.begin(), free_verts_.begin() + static_cast<std::ptrdiff_t>(next));
+  }
+
+  void reserve_verts(std::size_t n) {
+    m_.coords.reserve(n);
+    m_.vert_ref.reserve(n);
+    m_.vert_flags.reserve(n);
+    m_.vert2tet.reserve(n);
+    dist_.vert2gid.reserve(n);
+    dist_.data.values.reserve(n * static_cast<std::size_t>(dist_.data.width));
   }
 
   VertId add_vertex() {
@@ -120,6 +133,12 @@ class Return {
   }
 
   void resize_tets(std::size_t n) {
+    if (n > m_.tet_slots()) {  // no more than that: growing the usual way doubles
+      m_.tet2vert.reserve(n);
+      m_.tet2face.reserve(n);
+      m_.face_tag.reserve(n);
+      m_.tet_ref.reserve(n);
+    }
     m_.tet2vert.resize(n);
     m_.tet2face.resize(n);
     m_.face_tag.resize(n);

@@ -102,6 +102,7 @@ void PhaseLog::finish(std::int64_t local_tets) {
   }
   phases_.push_back(std::move(cost));
   name_.clear();
+  release_freed_memory();  // the next phase has other arrays
 }
 
 void PhaseLog::note(const std::string& line) {
