@@ -126,8 +126,8 @@ double wall_time() noexcept;
 double cpu_time() noexcept;
 /// Largest resident memory of this process so far, in bytes.
 std::int64_t peak_memory() noexcept;
-/// Gives freed memory that the allocator keeps back to the system. Arrays of a few megabytes that come and go leave holes
-/// that no later array fits into; costs about a millisecond, so for the end of a phase.
+/// Gives freed memory that the allocator keeps back to the system. Arrays of a few megabytes that come and go leave
+/// holes that no later array fits into; costs about a millisecond, so for the end of a phase.
 void release_freed_memory() noexcept;
 
 }  // namespace skein

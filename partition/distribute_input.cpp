@@ -177,7 +177,7 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
     std::array<Site, 4> s;
     for (std::size_t k = 0; k < 4; ++k) s[k] = sites[idx(verts[i][k])];
     keys[i] = hilbert_key(0.25 * (s[0].x + s[1].x + s[2].x + s[3].x), box);
-    if (metric) {  // as predicted_work()
+    if (metric) {  // about predicted_elements()
       const double w = 10 * std::exp(0.125 * (s[0].trace + s[1].trace + s[2].trace + s[3].trace)) *
                        std::abs(volume6(s[0].x, s[1].x, s[2].x, s[3].x)) / 6;
       if (std::isfinite(w)) work[i] += w;

@@ -17,9 +17,11 @@ enum class PartitionMethod { kHilbert, kMultilevel };
 IdVector<TetId, Rank> partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work, int parts,
                                 PartitionMethod method = PartitionMethod::kHilbert);
 
-/// Expected cost of each tetrahedron in an adaptation: 1 for being there, and 1 for each tetrahedron that will be in
-/// its place: 10 * sqrt(det M) * volume, the log-metric being the first 6 data numbers, mean over the vertices. 1 when
-/// data.width < 6.
+/// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M), the
+/// log-metric being the first 6 data numbers. 1 when data.width < 6.
+std::vector<double> predicted_elements(const DistMesh& dist);
+/// Expected cost of each tetrahedron in an adaptation, in units of what it takes to make a new one: those that go cost
+/// somewhat more, those that stay a third. 1 when data.width < 6.
 std::vector<double> predicted_work(const DistMesh& dist);
 
 struct PartitionStats {

@@ -183,15 +183,15 @@ int grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseLog& 
   std::optional<Background> given;
   CutLimits last{};
   for (int step = 0;; ++step) {
-    const std::vector<double> work = predicted_work(dist);
-    const CutLimits limits = cut_limits(comm, work);
+    const std::vector<double> elements = predicted_elements(dist);
+    const CutLimits limits = cut_limits(comm, elements);
     const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
     // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
     if (limits.able >= limits.wanted || !helps || step == kMostSteps || local.spacing != nullptr) return limits.wanted;
     last = limits;
     log.start(fmt::format("growth {}: partition", step + 1));
     if (!given) given.emplace(comm, dist, dist.data);
-    bound_growth(comm, dist, work, kGrowth);
+    bound_growth(comm, dist, elements, kGrowth);
     cut_parts(comm, dist, limits.able, local);
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
     run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log, [&] { return adapt_rank(dist, local); });

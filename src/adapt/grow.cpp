@@ -12,7 +12,7 @@ namespace skein {
 namespace {
 
 constexpr double kSmallestPart = 8000;  ///< predicted tetrahedra of a part at least
-constexpr double kSmallestCut = 4000;   ///< tetrahedra of a part at least when it is cut
+constexpr double kSmallestCut = 2000;   ///< tetrahedra of a part at least when it is cut
 
 SymTensor coarser(const SymTensor& log_m, double factor, double own_size) noexcept {
   Eigen e = eigen(log_m);
@@ -25,11 +25,11 @@ SymTensor coarser(const SymTensor& log_m, double factor, double own_size) noexce
 
 }  // namespace
 
-CutLimits cut_limits(const Comm& comm, std::span<const double> work) {
+CutLimits cut_limits(const Comm& comm, std::span<const double> elements) {
   double sum = 0, squares = 0;
-  for (const double w : work) {
-    sum += w;
-    squares += w * w;
+  for (const double e : elements) {
+    sum += e;
+    squares += e * e;
   }
   sum = comm.sum(sum);
   squares = comm.sum(squares);
@@ -37,14 +37,14 @@ CutLimits cut_limits(const Comm& comm, std::span<const double> work) {
   return {parts(sum / kSmallestPart), parts(squares > 0 ? sum * sum / squares / kSmallestCut : 1)};
 }
 
-void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> work, double growth) {
+void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> elements, double growth) {
   const TetMesh& m = dist.mesh;
-  std::vector<double> sums(3 * m.vert_slots(), 0.0);  // per vertex: work, volume and number of its tetrahedra
+  std::vector<double> sums(3 * m.vert_slots(), 0.0);  // per vertex: growth, volume and number of its tetrahedra
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     const double volume = std::abs(volume6(m, t)) / 6;
     for (const VertId v : m.tet2vert[t]) {
       double* s = sums.data() + 3 * idx(v);
-      s[0] += work[idx(t)];
+      s[0] += elements[idx(t)];
       s[1] += volume;
       s[2] += 1;
     }

@@ -13,14 +13,14 @@ struct CutLimits {
   int able = 1;    ///< that the mesh as it is can be cut into without the interfaces being most of it
 };
 
-/// Collective. From the work expected at each local tetrahedron. What counts is not the number of tetrahedra but how
-/// many of them share the work, (sum w)^2 / sum w^2: when few of them become nearly all of the final mesh, only these
-/// can be shared out.
-CutLimits cut_limits(const Comm& comm, std::span<const double> work);
+/// Collective. From what each local tetrahedron will become (predicted_elements). What counts is not the number of
+/// tetrahedra but how many of them share the growth, (sum e)^2 / sum e^2: when few of them become nearly all of the
+/// final mesh, only these can be shared out.
+CutLimits cut_limits(const Comm& comm, std::span<const double> elements);
 
 /// Collective. Replaces the log-metric in dist.data by a coarser one where more than `growth` elements per tetrahedron
 /// would come of it: its sizes are multiplied by a common factor, but made no larger than half of the mesh's own, so
-/// that nothing is removed that will be wanted again. @pre work: of each local tetrahedron; growth >= 8.
-void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> work, double growth);
+/// that nothing is removed that will be wanted again. @pre growth >= 8.
+void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> elements, double growth);
 
 }  // namespace skein
