@@ -27,11 +27,11 @@ IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   return old2new;
 }
 
-/// Compacts mesh and metric together; follows the numbers in old2new.
-void compact_all(TetMesh& mesh, MetricField& metric, IdVector<VertId, VertId>& old2new) {
-  const auto step = compact(mesh);
-  permute(metric.at, step, mesh.vert_slots());
-  permute(metric.log_at, step, mesh.vert_slots());
+/// Takes the free slots out of mesh and metric; follows the numbers in old2new.
+void squeeze_all(TetMesh& mesh, MetricField& metric, IdVector<VertId, VertId>& old2new) {
+  const auto step = squeeze(mesh);
+  squeeze(metric.at, step, mesh.vert_slots());
+  squeeze(metric.log_at, step, mesh.vert_slots());
   for (auto& v : old2new) {
     if (v != kNoVert) v = step[v];
   }
@@ -141,7 +141,7 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
       label = run_blocks(mesh, metric, displace_blocks(mesh, label, o.threads, kLayers, turn), o, result);
     }
   }
-  compact_all(mesh, metric, result.old2new);
+  squeeze_all(mesh, metric, result.old2new);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "mesh/error.hpp"
@@ -88,18 +89,27 @@ void mark_boundary_vertices(TetMesh& m) {
 
 namespace {
 
-/// Indices 0..n-1 of the live items ordered by key.
-template <class Id>
-std::vector<Id> order_by_key(std::size_t n, const std::vector<std::uint64_t>& key, const std::vector<char>& live) {
-  std::vector<std::pair<std::uint64_t, Id>> order;
-  order.reserve(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (live[i] != 0) order.emplace_back(key[i], to_id<Id>(i));
+struct Keyed {
+  std::uint64_t key;
+  VertId v;
+};
+
+/// Sorts by key, stably: distribution by 11 bits from the lowest on. Bits in which no keys differ cost nothing.
+void sort_by_key(std::vector<Keyed>& items) {
+  constexpr int kDigit = 11, kDigits = 6;
+  constexpr std::size_t kBuckets = std::size_t{1} << kDigit;
+  std::vector<std::array<std::uint32_t, kBuckets>> start(kDigits);
+  for (const Keyed& i : items) {
+    for (std::size_t d = 0; d < kDigits; ++d) ++start[d][(i.key >> (kDigit * d)) % kBuckets];
   }
-  std::sort(order.begin(), order.end());
-  std::vector<Id> out(order.size());
-  std::transform(order.begin(), order.end(), out.begin(), [](const auto& p) { return p.second; });
-  return out;
+  std::vector<Keyed> other(items.size());
+  for (std::size_t d = 0; d < kDigits; ++d) {
+    auto& at = start[d];
+    if (std::find(at.begin(), at.end(), items.size()) != at.end()) continue;
+    std::exclusive_scan(at.begin(), at.end(), at.begin(), 0U);
+    for (const Keyed& i : items) other[at[(i.key >> (kDigit * d)) % kBuckets]++] = i;
+    items.swap(other);
+  }
 }
 
 template <class Id, class T>
@@ -123,20 +133,30 @@ Box bounding_box(const TetMesh& m) noexcept {
   return box;
 }
 
+FeatureEdges renumbered(const FeatureEdges& old, const IdVector<VertId, VertId>& old2new) {
+  FeatureEdges out;
+  for (const auto& e : old.list()) out.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
+  return out;
+}
+
 }  // namespace
 
 IdVector<VertId, VertId> compact(TetMesh& m, IdVector<TetId, TetId>* tet_map) {
   const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
   const Box box = bounding_box(m);
-  std::vector<std::uint64_t> key(nv, 0);
-  std::vector<char> live(nv, 0);
+  std::vector<Keyed> order;
+  order.reserve(nv);
   for (const VertId v : IdRange<VertId>(nv)) {
-    live[idx(v)] = m.is_live(v) ? 1 : 0;
-    if (live[idx(v)] != 0) key[idx(v)] = hilbert_key(m.coords[v], box);
+    if (m.is_live(v)) order.push_back({hilbert_key(m.coords[v], box), v});
   }
-  const auto new2old = order_by_key<VertId>(nv, key, live);
+  sort_by_key(order);
+  std::vector<VertId> new2old(order.size());
   IdVector<VertId, VertId> old2new(nv, kNoVert);
-  for (std::size_t i = 0; i < new2old.size(); ++i) old2new[new2old[i]] = to_id<VertId>(i);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    new2old[i] = order[i].v;
+    old2new[order[i].v] = to_id<VertId>(i);
+  }
+  order = {};
 
   // Tetrahedra follow their lowest vertex: by counting sort, as that order is along the curve, too.
   std::vector<std::int32_t> first(new2old.size() + 1, 0);
@@ -177,11 +197,47 @@ IdVector<VertId, VertId> compact(TetMesh& m, IdVector<TetId, TetId>* tet_map) {
       if (f != kNoFace) f = make_face(tet_old2new[face_tet(f)], face_side(f));
     }
   }
-  FeatureEdges features;
-  for (const auto& e : m.features.list()) features.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
-  m.features = std::move(features);
+  m.features = renumbered(m.features, old2new);
   if (tet_map != nullptr) *tet_map = std::move(tet_old2new);
   return old2new;
+}
+
+namespace {
+
+/// The live ones' new numbers; their count.
+template <class Id>
+std::size_t count_up(const TetMesh& m, IdVector<Id, Id>& old2new) {
+  std::size_t n = 0;
+  for (const Id i : IdRange<Id>(old2new.size())) old2new[i] = m.is_live(i) ? to_id<Id>(n++) : to_id<Id>(-1);
+  return n;
+}
+
+}  // namespace
+
+IdVector<VertId, VertId> squeeze(TetMesh& m) {
+  IdVector<VertId, VertId> verts(m.vert_slots());
+  IdVector<TetId, TetId> tets(m.tet_slots());
+  const std::size_t nv = count_up(m, verts), nt = count_up(m, tets);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (tets[t] == kNoTet) continue;
+    for (auto& v : m.tet2vert[t]) v = verts[v];
+    for (auto& f : m.tet2face[t]) {
+      if (f != kNoFace) f = make_face(tets[face_tet(f)], face_side(f));
+    }
+  }
+  for (auto& t : m.vert2tet) {
+    if (t != kNoTet) t = tets[t];
+  }
+  squeeze(m.tet2vert, tets, nt);
+  squeeze(m.tet2face, tets, nt);
+  squeeze(m.face_tag, tets, nt);
+  squeeze(m.tet_ref, tets, nt);
+  squeeze(m.coords, verts, nv);
+  squeeze(m.vert_ref, verts, nv);
+  squeeze(m.vert_flags, verts, nv);
+  squeeze(m.vert2tet, verts, nv);
+  m.features = renumbered(m.features, verts);
+  return verts;
 }
 
 }  // namespace skein

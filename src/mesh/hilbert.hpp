@@ -12,7 +12,8 @@ struct Box {
 };
 
 /// Position of x on the Hilbert curve through the box: 63 bits, 21 per axis. Points outside are moved to its border.
-/// (J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707, 2004: transposed form by bit operations.)
+/// (C. H. Hamilton, A. Rau-Chaplin, Compact Hilbert indices, Inf. Process. Lett. 105, 2008: the curve by Gray codes,
+/// entry corners and directions; here tabulated.)
 std::uint64_t hilbert_key(Vec3 x, const Box& box) noexcept;
 
 }  // namespace skein
