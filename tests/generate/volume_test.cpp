@@ -13,6 +13,7 @@
 #include "tests/generate/surfaces.hpp"
 
 /// TetGen loses some arrays when it ends with an error; that is no fault to report when leaks are looked for.
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer looks for this name.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libtet\n"; }
 
 namespace skein {

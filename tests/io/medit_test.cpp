@@ -77,8 +77,12 @@ TEST(Medit, LayoutsOfTheText) {
   expect_one_tet(
       read_text("MeshVersionFormatted 2 Dimension 3 Vertices 4 0 0 0 1 1 0 0 2 0 1 0 3 0 0 1 4 "
                 "Tetrahedra 1 1 2 3 4 -5 End"));
+  const std::string plain = kHead + kVerts + kTets + "End\n";
   std::string windows;
-  for (const char c : kHead + kVerts + kTets + "End\n") windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  for (const char c : plain) {
+    if (c == '\n') windows += '\r';
+    windows += c;
+  }
   expect_one_tet(read_text(windows));
   expect_one_tet(read_text(kHead + "Vertices 4\n0d0 +0.0 0e+00 1\n1D+0 0. 0 2\n.0 10.E-1 -0d3 3\n0 0 1 4\n" + kTets));
   expect_one_tet(read_text(kHead + "VertexOnGeometricVertex\n1\n1 1 0.5\n" + kVerts + "Quadrilaterals\n0\n" + kTets +
@@ -156,8 +160,9 @@ TEST(MeditErrors, BadNumbersWithTheirLine) {
                {"line 6", "'0..1' is not a number"});
   expect_error(kHead + "Vertices\n4\n0 0 0 1\n1 0 0 2\n0 1 0 3.5\n0 0 1 4\n" + kTets, {"line 7", "vertex 3"});
   for (const char* bad : {"nan", "NaN", "-inf", "Infinity", "1e999", "-NAN"}) {
-    expect_error(kHead + "Vertices\n4\n0 0 0 1\n1 0 0 2\n0 1 " + bad + " 3\n0 0 1 4\n" + kTets,
-                 {"line 7", "vertex 3", "not a finite"});
+    std::string text = kHead + "Vertices\n4\n0 0 0 1\n1 0 0 2\n0 1 ";
+    text.append(bad).append(" 3\n0 0 1 4\n").append(kTets);
+    expect_error(text, {"line 7", "vertex 3", "not a finite"});
   }
 }
 

@@ -312,7 +312,7 @@ std::string error_or_success(const Comm& comm, const std::function<void()>& f) {
 }
 
 std::string error_line(const Comm& comm, const std::function<void()>& f) {
-  const std::string line = error_or_success(comm, f);
+  std::string line = error_or_success(comm, f);
   EXPECT_FALSE(line.empty()) << "no error was thrown";
   return line;
 }

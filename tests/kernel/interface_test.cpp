@@ -21,7 +21,6 @@ struct Corner {
   Vec3 x;
   SymTensor log_m;
   std::uint8_t surface;
-  friend bool operator==(const Corner&, const Corner&) = default;
 };
 /// A part's interface: its faces, and what is at its vertices.
 struct Interface {

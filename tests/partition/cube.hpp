@@ -37,7 +37,7 @@ struct Whole {
 inline Whole cube(int n, bool regions = false, bool internal = false) {
   Whole w;
   const int s = n + 1;
-  const auto at = [&](int i, int j, int k) { return static_cast<std::int64_t>((k * s + j) * s + i); };
+  const auto at = [&](int i, int j, int k) { return (static_cast<std::int64_t>(k) * s + j) * s + i; };
   for (int k = 0; k < s; ++k) {
     for (int j = 0; j < s; ++j) {
       for (int i = 0; i < s; ++i) w.coords.push_back({double(i) / n, double(j) / n, double(k) / n});
