@@ -33,7 +33,7 @@ SmoothMetric layered() {
 #ifdef __OPTIMIZE__
 constexpr int kCells = 12;
 #else
-constexpr int kCells = 9;
+constexpr int kCells = 10;  // even, for two regions
 #endif
 Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = false) {
   Outcome r;
