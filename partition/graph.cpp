@@ -14,6 +14,8 @@ namespace {
 /// All ranks' work adds up to about this: small enough that sums of it fit, fine enough for 10^10 tetrahedra.
 constexpr double kTotalWeight = 1LL << 52;
 
+}  // namespace
+
 void set_weights(const Comm& comm, std::span<const double> work, Graph& g) {
   const double sum = comm.sum(std::accumulate(work.begin(), work.end(), 0.0));
   const auto tets = static_cast<double>(comm.sum(static_cast<std::int64_t>(work.size())));
@@ -24,8 +26,6 @@ void set_weights(const Comm& comm, std::span<const double> work, Graph& g) {
   for (const NodeId v : IdRange<NodeId>(work.size()))
     g.weight[v] = static_cast<std::int64_t>(std::llround((sum > 0 ? work[idx(v)] : 1.0) * scale));
 }
-
-}  // namespace
 
 Ghosts make_ghosts(const std::vector<std::pair<NodeId, RemoteNode>>& links) {
   Ghosts out;

@@ -66,6 +66,10 @@ struct DistGraph {
 /// Pairs of own node and the remote node behind it, as they come, to ghosts.
 Ghosts make_ghosts(const std::vector<std::pair<NodeId, RemoteNode>>& links);
 
+/// Collective. Node weights from one finite number >= 0 per node, scaled to integers by the same power of two on all
+/// ranks.
+void set_weights(const Comm& comm, std::span<const double> work, Graph& g);
+
 /// Collective. The dual graph. Edges weigh 1, or what face_weight says at FaceId (4 numbers >= 1 per tetrahedron, of
 /// the two sides of a face the larger one counts); node weights are `work` scaled to integers, so that sums are exact
 /// in any order. @pre work: one finite number >= 0 per tetrahedron; dist is compact.

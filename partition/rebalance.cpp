@@ -10,6 +10,7 @@
 #include "partition/graph_pieces.hpp"
 #include "partition/multilevel_refine.hpp"
 #include "partition/multilevel_turns.hpp"
+#include "partition/shell_graph.hpp"
 
 namespace skein {
 namespace {
@@ -208,21 +209,21 @@ std::vector<std::int64_t> weigh(const Comm& comm, const Graph& g, const Parts& p
   return weight;
 }
 
-}  // namespace
-
-IdVector<TetId, Rank> rebalance(const Comm& comm, const DistMesh& dist, std::span<const double> work,
-                                double imbalance) {
-  const DistGraph d = dual_graph(comm, dist, work);
+/// Collective. Moves nodes until no part is beyond its capacity; tells whether that is so. The core of a shell is much
+/// heavier than any flow and stays.
+bool diffuse(const Comm& comm, const ShellGraph& shell, double imbalance, Parts& part) {
+  const DistGraph& d = shell.dist;
   const Graph& g = d.graph;
   const std::size_t n = g.nodes();
-  Parts part(n, comm.rank());
+  part.assign(n, comm.rank());
   auto weight = weigh(comm, g, part);
   const double mean = static_cast<double>(std::accumulate(weight.begin(), weight.end(), std::int64_t{0})) / comm.size();
-  const std::int64_t heaviest = comm.max(n == 0 ? 0 : *std::max_element(g.weight.begin(), g.weight.end()));
+  const auto tets = static_cast<std::ptrdiff_t>(shell.tets.size());
+  const std::int64_t heaviest = comm.max(tets == 0 ? 0 : *std::max_element(g.weight.begin(), g.weight.begin() + tets));
   const auto capacity =
       static_cast<std::int64_t>(std::ceil(mean + std::max(imbalance * mean, static_cast<double>(heaviest))));
   const auto balanced = [&] { return *std::max_element(weight.begin(), weight.end()) <= capacity; };
-  if (balanced()) return IdVector<TetId, Rank>(std::move(part.raw()));
+  if (balanced()) return true;
 
   seed_empty(comm, g, weight, part);
   constexpr int kRounds = 12;  // each moves work by one part
@@ -239,7 +240,30 @@ IdVector<TetId, Rank> rebalance(const Comm& comm, const DistMesh& dist, std::spa
   // What was in pieces before is left alone: it would be much to move.
   constexpr double kStray = 0.01;
   join_pieces(comm, d, comm.size(), capacity, static_cast<std::int64_t>(kStray * mean), part);
-  return IdVector<TetId, Rank>(std::move(part.raw()));
+  if (shell.core) part[to_id<NodeId>(n - 1)] = comm.rank();
+  weight = weigh(comm, g, part);
+  return balanced();
+}
+
+}  // namespace
+
+IdVector<TetId, Rank> rebalance(const Comm& comm, const DistMesh& dist, std::span<const double> work,
+                                double imbalance) {
+  constexpr double kReach = 4;  // times the largest difference from the mean: what may have to flow through one rank
+  const double mine = std::accumulate(work.begin(), work.end(), 0.0);
+  const double mean = comm.sum(mine) / comm.size();
+  const double off = comm.max(std::abs(mine - mean));
+  // A rank without tetrahedra is no neighbour of any; a few tetrahedra are no shell.
+  const bool bits = comm.min(static_cast<std::int64_t>(work.size())) < 1000;
+  IdVector<TetId, Rank> dest(work.size(), comm.rank());
+  Parts part;
+  ShellGraph shell = shell_graph(comm, dist, work, bits ? comm.max(mine) : kReach * off);
+  if (!diffuse(comm, shell, imbalance, part) && comm.max(std::int32_t{shell.core}) != 0) {
+    shell = shell_graph(comm, dist, work, comm.max(mine));
+    diffuse(comm, shell, imbalance, part);
+  }
+  for (std::size_t i = 0; i < shell.tets.size(); ++i) dest[shell.tets[i]] = part[to_id<NodeId>(i)];
+  return dest;
 }
 
 }  // namespace skein

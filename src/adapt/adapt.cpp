@@ -25,12 +25,13 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 8;        ///< elements out of one in a step of growth
-constexpr int kMostSteps = 10;       ///< of growth
-constexpr double kImbalance = 0.03;  ///< of the result, in tetrahedra
-constexpr int kLayers = 2;           ///< by which interfaces between ranks move
-constexpr int kActiveLayers = 1;     ///< round old interfaces that are worked on again
-constexpr int kMargin = 2;           ///< layers round these that cavities may reach into
+constexpr double kGrowth = 8;         ///< elements out of one in a step of growth
+constexpr int kMostSteps = 10;        ///< of growth
+constexpr double kImbalance = 0.03;   ///< to which the numbers of tetrahedra of the result are brought ...
+constexpr double kGoodEnough = 0.04;  ///< ... unless they are this good already
+constexpr int kLayers = 1;            ///< by which interfaces between ranks move
+constexpr int kActiveLayers = 1;      ///< round old interfaces that are worked on again
+constexpr int kMargin = 2;            ///< layers round these that cavities may reach into
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
@@ -142,7 +143,7 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& 
 /// given to others; ranks that had no part get one.
 void even_out(const Comm& comm, DistMesh& dist, int parts) {
   const auto most = static_cast<double>(comm.max(static_cast<std::int64_t>(dist.mesh.tet_slots())));
-  if (most * comm.size() <= (1 + kImbalance) * static_cast<double>(dist.global_tets)) return;
+  if (most * comm.size() <= (1 + kGoodEnough) * static_cast<double>(dist.global_tets)) return;
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
   migrate(comm, dist,
           parts < comm.size() ? partition(comm, dist, work, comm.size()) : rebalance(comm, dist, work, kImbalance));

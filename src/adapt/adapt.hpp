@@ -20,7 +20,7 @@ struct AdaptOptions {
 };
 
 /// Collective. Adapts the mesh to the metric whose logarithm is the first 6 numbers (Medit order) of dist.data at every
-/// vertex. The result is compact, has equal numbers of tetrahedra (3 %) on all ranks, and is checked by reconcile();
+/// vertex. The result is compact, has equal numbers of tetrahedra (4 %) on all ranks, and is checked by reconcile();
 /// new vertices have interpolated data.
 void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseLog& log);
 
