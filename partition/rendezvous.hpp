@@ -8,6 +8,7 @@
 
 #include "comm/exchange.hpp"
 #include "mesh/ids.hpp"
+#include "mesh/radix_sort.hpp"
 #include "mesh/tet_mesh.hpp"
 
 namespace skein {
@@ -64,14 +65,6 @@ class GidMap {
   std::vector<GlobalId> gids_;
   std::vector<std::int32_t> table_;  ///< number, or -1; the size is a power of two
 };
-
-/// A key and the place of its item.
-struct KeyIndex {
-  std::uint64_t key = 0;
-  std::uint32_t index = 0;
-};
-/// Sorts by key, stable (least significant digit first; digits that all items share cost nothing but one count).
-void radix_sort(std::vector<KeyIndex>& items);
 
 /// Collective. exchange() of vectors.
 template <Sendable T>

@@ -9,6 +9,7 @@
 
 #include "mesh/error.hpp"
 #include "mesh/hilbert.hpp"
+#include "mesh/radix_sort.hpp"
 
 namespace skein {
 namespace {
@@ -89,29 +90,6 @@ void mark_boundary_vertices(TetMesh& m) {
 
 namespace {
 
-struct Keyed {
-  std::uint64_t key;
-  VertId v;
-};
-
-/// Sorts by key, stably: distribution by 11 bits from the lowest on. Bits in which no keys differ cost nothing.
-void sort_by_key(std::vector<Keyed>& items) {
-  constexpr int kDigit = 11, kDigits = 6;
-  constexpr std::size_t kBuckets = std::size_t{1} << kDigit;
-  std::vector<std::array<std::uint32_t, kBuckets>> start(kDigits);
-  for (const Keyed& i : items) {
-    for (std::size_t d = 0; d < kDigits; ++d) ++start[d][(i.key >> (kDigit * d)) % kBuckets];
-  }
-  std::vector<Keyed> other(items.size());
-  for (std::size_t d = 0; d < kDigits; ++d) {
-    auto& at = start[d];
-    if (std::find(at.begin(), at.end(), items.size()) != at.end()) continue;
-    std::exclusive_scan(at.begin(), at.end(), at.begin(), 0U);
-    for (const Keyed& i : items) other[at[(i.key >> (kDigit * d)) % kBuckets]++] = i;
-    items.swap(other);
-  }
-}
-
 template <class Id, class T>
 void gather(IdVector<Id, T>& v, const std::vector<Id>& from) {
   if (v.empty() && !from.empty()) return;  // an array that the caller does not keep
@@ -144,17 +122,19 @@ FeatureEdges renumbered(const FeatureEdges& old, const IdVector<VertId, VertId>&
 IdVector<VertId, VertId> compact(TetMesh& m, IdVector<TetId, TetId>* tet_map) {
   const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
   const Box box = bounding_box(m);
-  std::vector<Keyed> order;
+  std::vector<std::uint64_t> key(nv);
+  hilbert_keys({m.coords.data(), nv}, box, key);
+  std::vector<KeyIndex> order;
   order.reserve(nv);
   for (const VertId v : IdRange<VertId>(nv)) {
-    if (m.is_live(v)) order.push_back({hilbert_key(m.coords[v], box), v});
+    if (m.is_live(v)) order.push_back({key[idx(v)], static_cast<std::uint32_t>(idx(v))});
   }
-  sort_by_key(order);
+  radix_sort(order);
   std::vector<VertId> new2old(order.size());
   IdVector<VertId, VertId> old2new(nv, kNoVert);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    new2old[i] = order[i].v;
-    old2new[order[i].v] = to_id<VertId>(i);
+    new2old[i] = to_id<VertId>(order[i].index);
+    old2new[new2old[i]] = to_id<VertId>(i);
   }
   order = {};
 

@@ -1,8 +1,9 @@
-// Hilbert curve keys by a table of the curve's states.
+// Hilbert curve keys by Skilling's transposed bit operations.
 #include "mesh/hilbert.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 
 namespace skein {
 namespace {
@@ -26,56 +27,64 @@ std::uint64_t spread(std::uint64_t v) noexcept {
   return v;
 }
 
-constexpr unsigned rotated_left(unsigned v, unsigned by) noexcept { return (v << by | v >> (3 - by)) & 7; }
-constexpr unsigned gray(unsigned v) noexcept { return v ^ v >> 1; }
+}  // namespace
 
-/// One level of the curve: in which of the eight cells (x, y, z bits) of a cube it is at which step, and how it goes on
-/// in there. A state is the corner where the curve enters (3 bits) and the axis along which it leaves.
-struct Step {
-  unsigned state, at;
-};
-constexpr Step step_of(unsigned state, unsigned cell) noexcept {
-  const unsigned entry = state & 7, axis = state >> 3, turn = (axis + 1) % 3;
-  const unsigned turned = rotated_left(cell ^ entry, (3 - turn) % 3);
-  unsigned at = 0;
-  while (gray(at) != turned) ++at;
-  // Where the curve enters the cell that it visits as number `at`, and along which axis it leaves.
-  const unsigned corner = at == 0 ? 0 : gray(2 * ((at - 1) / 2));
-  const unsigned odd = at % 2 == 1 ? at : at - 1;
-  unsigned ones = 0;
-  if (at != 0) {
-    for (unsigned k = odd; (k & 1) != 0; k >>= 1) ++ones;
-  }
-  return {(entry ^ rotated_left(corner, turn)) | ((axis + ones + 1) % 3) << 3, at};
-}
+namespace {
 
-/// Two levels at once: state, six bits of cells -> next state and six bits of the key.
-constexpr auto kTwoLevels = [] {
-  std::array<std::array<std::uint16_t, 64>, 24> table{};
-  for (unsigned state = 0; state < 24; ++state) {
-    for (unsigned cells = 0; cells < 64; ++cells) {
-      const Step a = step_of(state, cells >> 3), b = step_of(a.state, cells & 7);
-      table[state][cells] = static_cast<std::uint16_t>(b.state << 6 | a.at << 3 | b.at);
+/// Points at a time, so that the compiler can use the vector unit: the loops over bits have no branches.
+constexpr std::size_t kLanes = 16;
+using Lanes = std::array<std::uint32_t, kLanes>;
+
+void transpose(Lanes& x, Lanes& y, Lanes& z) noexcept {
+  // Inverts the low bits p of x where a has the bit q, else exchanges them with a's.
+  const auto turn = [](std::uint32_t& first, std::uint32_t& a, std::uint32_t q, std::uint32_t p) {
+    const std::uint32_t invert = (a & q) != 0 ? p : 0, exchange = (first ^ a) & p & ~invert;
+    first ^= exchange | invert;
+    a ^= exchange;
+  };
+  for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
+    const std::uint32_t p = q - 1;
+#pragma GCC ivdep
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      x[l] ^= (x[l] & q) != 0 ? p : 0;
+      turn(x[l], y[l], q, p);
+      turn(x[l], z[l], q, p);
     }
   }
-  return table;
-}();
+#pragma GCC ivdep
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    y[l] ^= x[l];
+    z[l] ^= y[l];
+    std::uint32_t t = z[l];  // bit b of the flip is the parity of the bits above b
+    t ^= t >> 1, t ^= t >> 2, t ^= t >> 4, t ^= t >> 8, t ^= t >> 16;
+    t >>= 1;
+    x[l] ^= t;
+    y[l] ^= t;
+    z[l] ^= t;
+  }
+}
 
 }  // namespace
 
-std::uint64_t hilbert_key(Vec3 x, const Box& box) noexcept {
-  // 21 levels are ten pairs and one more, for which a level of zeros is appended and then cut off.
-  const std::uint64_t cells = spread(cell(x.x, box.low.x, box.high.x)) << 2 |
-                              spread(cell(x.y, box.low.y, box.high.y)) << 1 | spread(cell(x.z, box.low.z, box.high.z));
-  std::uint64_t key = 0;
-  unsigned state = 0;
-  for (int level = kBits - 2; level >= -1; level -= 2) {
-    const std::uint64_t pair = level >= 0 ? cells >> (3 * level) : cells << 3;
-    const unsigned next = kTwoLevels[state][pair & 63];
-    key = key << 6 | (next & 63);
-    state = next >> 6;
+void hilbert_keys(std::span<const Vec3> x, const Box& box, std::span<std::uint64_t> key) noexcept {
+  Lanes a, b, c;
+  for (std::size_t begin = 0; begin < x.size(); begin += kLanes) {
+    const std::size_t n = std::min(kLanes, x.size() - begin);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const Vec3 at = x[begin + std::min(l, n - 1)];
+      a[l] = cell(at.x, box.low.x, box.high.x);
+      b[l] = cell(at.y, box.low.y, box.high.y);
+      c[l] = cell(at.z, box.low.z, box.high.z);
+    }
+    transpose(a, b, c);
+    for (std::size_t l = 0; l < n; ++l) key[begin + l] = spread(a[l]) << 2 | spread(b[l]) << 1 | spread(c[l]);
   }
-  return key >> 3;
+}
+
+std::uint64_t hilbert_key(Vec3 x, const Box& box) noexcept {
+  std::uint64_t key = 0;
+  hilbert_keys({&x, 1}, box, {&key, 1});
+  return key;
 }
 
 }  // namespace skein

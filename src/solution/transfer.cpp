@@ -22,7 +22,9 @@ std::vector<std::uint32_t> space_order(std::span<const Vec3> points) {
   Box box = kEmptyBox;
   for (const Vec3 x : points) box = join(box, {x, x});
   std::vector<KeyIndex> keys(points.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = {hilbert_key(points[i], box), static_cast<std::uint32_t>(i)};
+  std::vector<std::uint64_t> key(points.size());
+  hilbert_keys(points, box, key);
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = {key[i], static_cast<std::uint32_t>(i)};
   radix_sort(keys);
   std::vector<std::uint32_t> order(keys.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = keys[i].index;
