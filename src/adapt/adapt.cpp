@@ -181,19 +181,22 @@ GlobalId run_kernel(const Comm& comm, DistMesh& dist, const std::string& phase, 
 /// a coarser metric, until it can be cut. Interfaces through a few tetrahedra would have to be refined many times over
 /// with next to nothing beside them, and what comes of that costs more than the parts gain. Gives the parts.
 int grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseLog& log) {
+  // One worker alone does better, too: far from its final size, a mesh of few tetrahedra is all needles for a while.
+  const int workers = std::max(2, comm.size() * local.threads);
   std::optional<Background> given;
   CutLimits last{};
   for (int step = 0;; ++step) {
     const std::vector<double> elements = predicted_elements(dist);
-    const CutLimits limits = cut_limits(comm, elements);
+    const CutLimits limits = cut_limits(comm, elements, workers);
     const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
     // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
-    if (limits.able >= limits.wanted || !helps || step == kMostSteps || local.spacing != nullptr) return limits.wanted;
+    if (limits.able >= limits.wanted || !helps || step == kMostSteps || local.spacing != nullptr)
+      return std::min(limits.wanted, comm.size());
     last = limits;
     log.start(fmt::format("growth {}: partition", step + 1));
     if (!given) given.emplace(comm, dist, dist.data);
     bound_growth(comm, dist, elements, kGrowth);
-    cut_parts(comm, dist, limits.able, local);
+    if (comm.size() > 1) cut_parts(comm, dist, std::min(limits.able, comm.size()), local);
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
     run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log, [&] { return adapt_rank(dist, local); });
     dist.data = given->at_vertices(dist);
@@ -213,7 +216,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   });
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
-  const int parts = comm.size() > 1 ? grow(comm, dist, local, log) : 1;
+  const int parts = grow(comm, dist, local, log);
   log.start("round 1: partition");
   if (comm.size() > 1) cut_parts(comm, dist, parts, local);
   finish();

@@ -25,7 +25,7 @@ SymTensor coarser(const SymTensor& log_m, double factor, double own_size) noexce
 
 }  // namespace
 
-CutLimits cut_limits(const Comm& comm, std::span<const double> elements) {
+CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int workers) {
   double sum = 0, squares = 0;
   for (const double e : elements) {
     sum += e;
@@ -33,7 +33,7 @@ CutLimits cut_limits(const Comm& comm, std::span<const double> elements) {
   }
   sum = comm.sum(sum);
   squares = comm.sum(squares);
-  const auto parts = [&](double n) { return static_cast<int>(std::clamp(n, 1.0, static_cast<double>(comm.size()))); };
+  const auto parts = [&](double n) { return static_cast<int>(std::clamp(n, 1.0, static_cast<double>(workers))); };
   return {parts(sum / kSmallestPart), parts(squares > 0 ? sum * sum / squares / kSmallestCut : 1)};
 }
 

@@ -39,14 +39,14 @@ TEST(Grow, LimitsFollowFromTheTetrahedraThatShareTheWork) {
   const Comm& comm = world();
   const int per_rank = 40000;
   std::vector<double> work(per_rank, 10.0);
-  EXPECT_EQ(cut_limits(comm, work).able, comm.size());
-  EXPECT_EQ(cut_limits(comm, work).wanted, comm.size());
+  EXPECT_EQ(cut_limits(comm, work, comm.size()).able, comm.size());
+  EXPECT_EQ(cut_limits(comm, work, comm.size()).wanted, comm.size());
   // Ten tetrahedra become nearly all of the mesh.
   if (comm.is_root()) std::fill_n(work.begin(), 10, 1e9);
-  EXPECT_EQ(cut_limits(comm, work).able, 1);
-  EXPECT_EQ(cut_limits(comm, work).wanted, comm.size());
-  EXPECT_EQ(cut_limits(comm, std::vector<double>{}).able, 1);
-  EXPECT_EQ(cut_limits(comm, std::vector<double>{}).wanted, 1);
+  EXPECT_EQ(cut_limits(comm, work, comm.size()).able, 1);
+  EXPECT_EQ(cut_limits(comm, work, comm.size()).wanted, comm.size());
+  EXPECT_EQ(cut_limits(comm, std::vector<double>{}, comm.size()).able, 1);
+  EXPECT_EQ(cut_limits(comm, std::vector<double>{}, comm.size()).wanted, 1);
 }
 
 TEST(Grow, BoundsWhatComesOfTheMesh) {
