@@ -24,14 +24,12 @@ IdVector<VertId, std::uint8_t> near_active(const TetMesh& m, int layers) {
   return level;
 }
 
-void cut_vertex(const DistMesh& dist, VertId v, bool inner, Band& band) {
-  const TetMesh& m = dist.mesh;
+void cut_vertex(const TetMesh& m, const VertexAttributes& data, VertId v, bool inner, Band& band) {
   band.mesh.coords.push_back(m.coords[v]);
   band.mesh.vert_ref.push_back(m.vert_ref[v]);
   band.mesh.vert_flags.push_back(static_cast<std::uint8_t>(m.vert_flags[v] | (inner ? 0 : kFrozen)));
   band.mesh.vert2tet.push_back(kNoTet);
-  const double* d = dist.data.at(v);
-  band.metric.push_back_log({d[0], d[1], d[2], d[3], d[4], d[5]});
+  band.metric.push_back_log(data.log_metric(v));
   band.to_rank.push_back(v);
 }
 
@@ -50,7 +48,7 @@ void cut_features(const TetMesh& m, TetId t, const std::array<VertId, 4>& in_ban
 /// Puts a band back; the steps share the numbers of what comes in.
 class Return {
  public:
-  Return(DistMesh& dist, const Band& band) : dist_(dist), m_(dist.mesh), band_(band), b_(band.mesh) {}
+  Return(TetMesh& mesh, VertexAttributes& data, const Band& band) : m_(mesh), data_(data), band_(band), b_(band.mesh) {}
 
   void run(const IdVector<VertId, VertId>& old2new) {
     for (const FeatureEdge& e : band_.features) m_.features.erase(e.a, e.b);
@@ -88,27 +86,23 @@ class Return {
     m_.vert_ref.reserve(n);
     m_.vert_flags.reserve(n);
     m_.vert2tet.reserve(n);
-    dist_.vert2gid.reserve(n);
-    dist_.data.values.reserve(n * static_cast<std::size_t>(dist_.data.width));
+    data_.reserve(n);
   }
 
   VertId add_vertex() {
     m_.coords.push_back({});
     m_.vert_ref.push_back(0);
     m_.vert_flags.push_back(0);
-    dist_.data.values.resize(dist_.data.values.size() + static_cast<std::size_t>(dist_.data.width));
-    dist_.vert2gid.push_back(kNoGlobal);
-    return m_.vert2tet.push_back(kNoTet);
+    m_.vert2tet.push_back(kNoTet);
+    data_.resize(m_.vert_slots());
+    return to_id<VertId>(m_.vert_slots() - 1);
   }
 
   void copy_vertex(VertId from, VertId to) {
     m_.coords[to] = b_.coords[from];
     m_.vert_ref[to] = b_.vert_ref[from];
     m_.vert_flags[to] = b_.vert_flags[from];
-    dist_.vert2gid[to] = kNoGlobal;
-    const SymTensor& l = band_.metric.log_at[from];
-    double* d = dist_.data.at(to);
-    d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
+    data_.set(to, band_.metric, from);
   }
 
   void place_tets() {
@@ -222,23 +216,21 @@ class Return {
     m_.vert_ref.resize(n);
     m_.vert_flags.resize(n);
     m_.vert2tet.resize(n);
-    dist_.vert2gid.resize(n);
-    dist_.data.values.resize(n * static_cast<std::size_t>(dist_.data.width));
+    data_.resize(n);
   }
   void move_vertex(VertId from, VertId to) {
     m_.coords[to] = m_.coords[from];
     m_.vert_ref[to] = m_.vert_ref[from];
     m_.vert_flags[to] = m_.vert_flags[from];
     m_.vert2tet[to] = m_.vert2tet[from];
-    dist_.vert2gid[to] = dist_.vert2gid[from];
-    std::copy_n(dist_.data.at(from), dist_.data.width, dist_.data.at(to));
+    data_.move(from, to);
   }
   void follow(const IdVector<VertId, VertId>& old2new, std::size_t first) {
     const auto now = [&](VertId v) { return idx(v) < first ? v : old2new[to_id<VertId>(idx(v) - first)]; };
     for (auto& tv : m_.tet2vert) {
       for (auto& v : tv) v = now(v);
     }
-    for (auto& v : dist_.sharing.vert) v = now(v);
+    for (auto& v : data_.kept()) v = now(v);
     const std::vector<FeatureEdge> edges = m_.features.list();
     for (const FeatureEdge& e : edges) {
       if (idx(e.a) < first && idx(e.b) < first) continue;
@@ -247,8 +239,8 @@ class Return {
     }
   }
 
-  DistMesh& dist_;
   TetMesh& m_;
+  VertexAttributes& data_;
   const Band& band_;
   const TetMesh& b_;
   IdVector<VertId, VertId> vert_;  ///< of the band -> of the rank
@@ -257,10 +249,49 @@ class Return {
   std::vector<TetId> free_tets_;
 };
 
+/// What goes with the vertices of a rank's mesh.
+class RankVertices final : public VertexAttributes {
+ public:
+  explicit RankVertices(DistMesh& dist) : dist_(dist) {}
+  [[nodiscard]] SymTensor log_metric(VertId v) const override {
+    const double* d = dist_.data.at(v);
+    return {d[0], d[1], d[2], d[3], d[4], d[5]};
+  }
+  void reserve(std::size_t n) override {
+    dist_.vert2gid.reserve(n);
+    dist_.data.values.reserve(n * width());
+  }
+  void resize(std::size_t n) override {
+    dist_.vert2gid.resize(n, kNoGlobal);
+    dist_.data.values.resize(n * width());
+  }
+  void set(VertId to, const MetricField& metric, VertId from) override {
+    dist_.vert2gid[to] = kNoGlobal;
+    const SymTensor& l = metric.log_at[from];
+    double* d = dist_.data.at(to);
+    d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
+  }
+  void move(VertId from, VertId to) override {
+    dist_.vert2gid[to] = dist_.vert2gid[from];
+    std::copy_n(dist_.data.at(from), width(), dist_.data.at(to));
+  }
+  std::span<VertId> kept() override { return dist_.sharing.vert; }
+
+ private:
+  [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(dist_.data.width); }
+  DistMesh& dist_;
+};
+
 }  // namespace
 
-Band cut_band(const DistMesh& dist, int layers) {
-  const TetMesh& m = dist.mesh;
+Band cut_band(DistMesh& dist, int layers) { return cut_band(dist.mesh, RankVertices(dist), layers); }
+
+void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new) {
+  RankVertices data(dist);
+  put_back(dist.mesh, data, band, old2new);
+}
+
+Band cut_band(const TetMesh& m, const VertexAttributes& data, int layers) {
   const auto level = near_active(m, layers);
   Band band;
   IdVector<TetId, TetId> tet2band(m.tet_slots(), kNoTet);
@@ -280,7 +311,7 @@ Band cut_band(const DistMesh& dist, int layers) {
       if (vert2band[v] == kNoVert) {
         vert2band[v] = b.coords.end_id();
         // A tetrahedron outside has no vertex near an active one, so whatever it shares with the band is frozen.
-        cut_vertex(dist, v, level[v] != 0, band);
+        cut_vertex(m, data, v, level[v] != 0, band);
       }
       tv[k] = vert2band[v];
       const FaceId f = m.tet2face[t][k];
@@ -299,8 +330,8 @@ Band cut_band(const DistMesh& dist, int layers) {
   return band;
 }
 
-void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new) {
-  Return(dist, band).run(old2new);
+void put_back(TetMesh& mesh, VertexAttributes& data, const Band& band, const IdVector<VertId, VertId>& old2new) {
+  Return(mesh, data, band).run(old2new);
 }
 
 }  // namespace skein

@@ -1,5 +1,6 @@
 // Band: the active tetrahedra of a rank and what lies next to them, cut out of the rank's mesh and put back.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "kernel/part.hpp"
@@ -17,15 +18,32 @@ struct Band {
   std::vector<FeatureEdge> features;  ///< the rank's feature edges that are edges of the band
 };
 
+/// What goes with the vertices of the mesh that a band is cut from.
+class VertexAttributes {
+ public:
+  virtual ~VertexAttributes() = default;
+  [[nodiscard]] virtual SymTensor log_metric(VertId v) const = 0;
+  virtual void reserve(std::size_t n) = 0;
+  virtual void resize(std::size_t n) = 0;
+  /// Vertex `to` is a new one now, with the metric of vertex `from` of the band.
+  virtual void set(VertId to, const MetricField& metric, VertId from) = 0;
+  /// Vertex `from` has got the number `to`.
+  virtual void move(VertId from, VertId to) = 0;
+  /// Numbers of vertices that shall follow when vertices get other numbers.
+  virtual std::span<VertId> kept() = 0;
+};
+
 /// Cuts out all tetrahedra within `layers` edges of a kActive vertex, in their order. The rank's mesh stays as it is.
 /// The cost is a few looks at each tetrahedron of the rank, and the rest grows with the band only. Not collective.
 /// @pre dist is compact and its data begins with the log-metric.
-Band cut_band(const DistMesh& dist, int layers);
+Band cut_band(DistMesh& dist, int layers);
+Band cut_band(const TetMesh& mesh, const VertexAttributes& data, int layers);
 
 /// Puts an adapted band in the place of the one that was cut. `old2new` follows the band's vertices that were frozen
 /// (adapt_local). Vertices of the rest and frozen ones keep their global ids, all others get kNoGlobal. The result is
 /// compact; numbers that are free are filled from the end, and dist.sharing follows. Not collective.
 /// @pre dist is as it was when the band was cut; the band is compact.
 void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new);
+void put_back(TetMesh& mesh, VertexAttributes& data, const Band& band, const IdVector<VertId, VertId>& old2new);
 
 }  // namespace skein

@@ -51,44 +51,6 @@ IdVector<VertId, char> between_blocks(const TetMesh& m, const BlockLabels& label
   return between;
 }
 
-BlockLabels displace_blocks(const TetMesh& m, const BlockLabels& label, int blocks, int layers, int turn) {
-  const auto between = between_blocks(m, label);
-  const auto priority = [&](int b) { return (b + turn) % blocks; };
-  // The winner at each vertex that has one, spread layer by layer.
-  IdVector<VertId, std::int32_t> winner(m.vert_slots(), -1);
-  const auto improve = [&](std::int32_t& w, std::int32_t b) {
-    if (w < 0 || priority(b) > priority(w)) w = b;
-  };
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (const VertId v : m.tet2vert[t]) {
-      if (between[v] != 0) improve(winner[v], label[t]);
-    }
-  }
-  const auto best_at = [&](const IdVector<VertId, std::int32_t>& w, TetId t) {
-    std::int32_t best = -1;
-    for (const VertId v : m.tet2vert[t]) {
-      if (w[v] >= 0) improve(best, w[v]);
-    }
-    return best;
-  };
-  for (int layer = 0; layer < layers; ++layer) {
-    const auto before = winner;
-    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-      const std::int32_t best = best_at(before, t);
-      if (best < 0) continue;
-      for (const VertId v : m.tet2vert[t]) {
-        if (before[v] < 0) improve(winner[v], best);
-      }
-    }
-  }
-  BlockLabels out = label;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    const std::int32_t best = best_at(winner, t);
-    if (best >= 0) out[t] = best;
-  }
-  return out;
-}
-
 void keep_active_near_blocks(TetMesh& m, const BlockLabels& label, int layers) {
   auto near = between_blocks(m, label);
   for (int layer = 0; layer < layers; ++layer) {

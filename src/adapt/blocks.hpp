@@ -18,10 +18,6 @@ BlockLabels cut_blocks(const TetMesh& mesh, const MetricField& metric, int block
 /// Vertices with tetrahedra of several blocks: true.
 IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);
 
-/// New labels such that old interfaces between blocks become interior: the block of highest priority (a permutation
-/// that changes with `turn`) at each interface vertex takes its tetrahedra and `layers` layers more.
-BlockLabels displace_blocks(const TetMesh& mesh, const BlockLabels& label, int blocks, int layers, int turn);
-
 /// Keeps kActive only within `layers` edges of vertices between blocks.
 void keep_active_near_blocks(TetMesh& mesh, const BlockLabels& label, int layers);
 

@@ -5,6 +5,7 @@
 #include <exception>
 #include <thread>
 
+#include "adapt/band.hpp"
 #include "adapt/blocks.hpp"
 #include "kernel/passes.hpp"
 #include "mesh/adjacency.hpp"
@@ -14,9 +15,10 @@
 namespace skein {
 namespace {
 
-constexpr int kLayers = 3;               ///< by which interfaces of blocks move
-constexpr int kActiveLayers = 2;         ///< round old interfaces that are worked on again
-constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which threads do not pay
+constexpr int kActiveLayers = 2;               ///< round old interfaces that are worked on again
+constexpr int kMargin = 2;                     ///< layers round these that cavities may reach into
+constexpr std::size_t kSmallestBand = 50'000;  ///< the same for a band, which is mostly interface when it is cut
+constexpr std::size_t kSmallest = 2000;        ///< tetrahedra per thread below which threads do not pay
 
 IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
@@ -124,6 +126,56 @@ BlockLabels run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& la
   return std::move(merged.label);
 }
 
+/// What goes with the vertices of the mesh that the threads share.
+class LocalVertices final : public VertexAttributes {
+ public:
+  LocalVertices(MetricField& metric, std::span<VertId> frozen) : metric_(metric), frozen_(frozen) {}
+  [[nodiscard]] SymTensor log_metric(VertId v) const override { return metric_.log_at[v]; }
+  void reserve(std::size_t n) override {
+    metric_.at.reserve(n);
+    metric_.log_at.reserve(n);
+  }
+  void resize(std::size_t n) override {
+    metric_.at.resize(n);
+    metric_.log_at.resize(n);
+  }
+  void set(VertId to, const MetricField& metric, VertId from) override {
+    metric_.at[to] = metric.at[from];
+    metric_.log_at[to] = metric.log_at[from];
+  }
+  void move(VertId from, VertId to) override {
+    metric_.at[to] = metric_.at[from];
+    metric_.log_at[to] = metric_.log_at[from];
+  }
+  std::span<VertId> kept() override { return frozen_; }
+
+ private:
+  MetricField& metric_;
+  std::span<VertId> frozen_;
+};
+
+/// Works on what the interfaces between blocks have held back: the band round them is cut out, adapted and put back.
+void run_between(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
+                 LocalResult& result) {
+  keep_active_near_blocks(mesh, label, kActiveLayers);
+  std::vector<VertId> frozen;
+  for (const VertId v : result.old2new) {
+    if (v != kNoVert) frozen.push_back(v);
+  }
+  LocalVertices data(metric, frozen);
+  Band band = cut_band(mesh, data, kMargin);
+  LocalOptions of_band = o;
+  const std::size_t n = band.mesh.tet_slots();
+  if (n < kSmallestBand * static_cast<std::size_t>(o.threads) || 2 * n > mesh.tet_slots()) of_band.threads = 1;
+  const LocalResult r = adapt_local(band.mesh, band.metric, of_band);
+  result.counts += r.counts;
+  put_back(mesh, data, band, r.old2new);
+  auto next = frozen.begin();
+  for (VertId& v : result.old2new) {
+    if (v != kNoVert) v = *next++;
+  }
+}
+
 }  // namespace
 
 LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& o) {
@@ -133,13 +185,8 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads) || mostly_interface(mesh)) {
     run_alone(mesh, metric, o, result);
   } else {
-    BlockLabels label = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);
-    // Two turns suffice for two blocks; where three meet, a third one takes what the second had to leave.
-    const int turns = o.threads == 2 ? 1 : 2;
-    for (int turn = 1; turn <= turns; ++turn) {
-      keep_active_near_blocks(mesh, label, kActiveLayers);
-      label = run_blocks(mesh, metric, displace_blocks(mesh, label, o.threads, kLayers, turn), o, result);
-    }
+    const BlockLabels label = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);
+    run_between(mesh, metric, label, o, result);
   }
   squeeze_all(mesh, metric, result.old2new);
   return result;
