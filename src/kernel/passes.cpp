@@ -31,9 +31,7 @@ constexpr int kMostTurns = 5;
 /// A mesh that has grown by this factor is put in order again, if it is larger than the caches.
 constexpr std::size_t kGrowth = 4, kSmallMesh = 100'000;
 constexpr int kHuntTurns = 8, kHuntTries = 3;
-constexpr std::size_t kIndexShare = 8;                ///< from one vertex in so many on, all balls are found at once
-constexpr double kHuntLong = 1.8, kHuntShort = 0.55;  ///< edges that are hunted
-constexpr double kHuntNewLength = 0.45;               ///< no new point closer than this then
+constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
 constexpr double cube(double q) noexcept { return q * q * q; }
 
@@ -56,14 +54,17 @@ class Passes {
   std::int64_t create_points();
   std::int64_t swap_below(double quality);
   std::int64_t smooth_below(double quality);
-  /// The edges that the strict bounds have left far from unit length: bounds on what is made in their place are
-  /// loosened.
-  void hunt_lengths();
+  /// Bounds for edges that the passes have left far from unit length.
+  struct LengthHunt {
+    double longest, shortest;  ///< edges beyond are hunted
+    double max_new, min_new;   ///< looser than in the passes: bounds on what is made in their place
+  };
+  void hunt_lengths(const LengthHunt& hunt);
   /// Works on the elements below `target` with every operator, accepting only what makes the worst element better,
   /// until none can be improved.
   void hunt_worst(double target);
-  /// Puts what is near in space near in memory.
-  void order();
+  /// Puts what is near in space near in memory, if much is new.
+  void order_if_grown();
   /// Vertices before the first pass -> vertices now.
   [[nodiscard]] IdVector<VertId, VertId>& old2new() noexcept { return old2new_; }
 
@@ -74,6 +75,7 @@ class Passes {
   /// away, in up to `sweeps` sweeps, as long as there are any. `wanted` is asked first, so it should be cheap.
   template <class Wanted, class Visit>
   void sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit);
+  void order();
   bool collapse_in(TetId t, double below, double max_length, double floor_q3);
   /// Points that a unit mesh of the part would have.
   [[nodiscard]] std::int64_t expected_points() const;
@@ -115,6 +117,10 @@ void Passes::sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit) {
     if (!any) return;
     if (part_.mesh.tet_slots() > kGrowth * std::max(ordered_, kSmallMesh)) order();
   }
+}
+
+void Passes::order_if_grown() {
+  if (part_.mesh.tet_slots() > ordered_ + ordered_ / 4) order();
 }
 
 void Passes::order() {
@@ -301,15 +307,15 @@ bool Passes::remove_vertex_in(TetId t) {
   return false;
 }
 
-void Passes::hunt_lengths() {
+void Passes::hunt_lengths(const LengthHunt& hunt) {
   const KernelOptions strict = part_.options;
-  part_.options.length_min_new = kHuntNewLength;
+  part_.options.length_min_new = hunt.min_new;
   forget_refused();
   for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
     const auto t = to_id<TetId>(i);
     if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) continue;
     if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
-    if (!split_in(t, kHuntLong)) collapse_in(t, kHuntShort, kHuntLong, kFloor);
+    if (!split_in(t, hunt.longest)) collapse_in(t, hunt.shortest, hunt.max_new, kFloor);
   }
   part_.options = strict;
 }
@@ -330,13 +336,18 @@ void Passes::hunt_worst(double target) {
 
 }  // namespace
 
+namespace {
+constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
+constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
+}  // namespace
+
 IdVector<VertId, VertId> adapt_part(Part& part) {
   Passes pass(part);
   const KernelOptions& o = part.options;
   pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
   pass.create_points();
-  pass.order();
+  pass.order_if_grown();
   for (int i = 0; i < kMostTurns; ++i) {
     pass.swap_below(0.7);
     pass.smooth_below(0.9);
@@ -345,11 +356,13 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
     const auto verts = static_cast<std::int64_t>(part.mesh.vert_slots() - part.free_verts.size());
     if (i >= 1 && kSettled * changed <= verts) break;
   }
-  pass.hunt_lengths();
+  pass.hunt_lengths(kFar);
   pass.swap_below(0.7);
   pass.smooth_below(0.75);
-  pass.hunt_lengths();
+  pass.hunt_lengths(kFar);
   pass.hunt_worst(0.5);
+  pass.hunt_lengths(kVeryFar);
+  pass.hunt_worst(0.4);
   return std::move(pass.old2new());
 }
 
