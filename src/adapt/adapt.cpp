@@ -9,6 +9,7 @@
 #include <string>
 
 #include "adapt/band.hpp"
+#include "adapt/blocks.hpp"
 #include "adapt/grow.hpp"
 #include "adapt/local.hpp"
 #include "kernel/interface.hpp"
@@ -104,34 +105,13 @@ OperationCounts adapt_band(DistMesh& dist, const LocalOptions& options) {
   return r.counts;
 }
 
-/// What cutting a face costs: its area in the metric, i.e. about how many faces of the final mesh it stands for.
-std::vector<std::int32_t> face_costs(const DistMesh& dist) {
-  const TetMesh& m = dist.mesh;
-  const MetricField metric = metric_from_data(dist);
-  std::vector<std::int32_t> cost(4 * m.tet_slots(), 1);
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int f = 0; f < 4; ++f) {
-      const auto v = face_verts(m, make_face(t, f));
-      const Vec3 a = m.coords[v[1]] - m.coords[v[0]], b = m.coords[v[2]] - m.coords[v[0]];
-      double area = 0;
-      for (const VertId w : v) {
-        const SymTensor& g = metric.at[w].m;
-        const double ab = dot(a, mul(g, b));
-        area += std::sqrt(std::max(0.0, quad(g, a) * quad(g, b) - ab * ab)) / 6;
-      }
-      cost[idx(make_face(t, f))] = static_cast<std::int32_t>(std::clamp(2 * area, 1.0, 1000.0));
-    }
-  }
-  return cost;
-}
-
 /// Collective. Compact parts of equal predicted work with small interfaces in the final mesh, which are then refined.
 void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& local) {
   std::vector<double> work;
   std::vector<std::int32_t> cost;
   agree(comm, [&] {
     work = predicted_work(dist);
-    cost = face_costs(dist);
+    cost = face_costs(dist.mesh, metric_from_data(dist));
   });
   MultilevelOptions options;
   options.face_weight = cost;

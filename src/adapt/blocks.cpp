@@ -6,36 +6,61 @@
 #include <unordered_map>
 
 #include "kernel/interface.hpp"
+#include "partition/multilevel.hpp"
+#include "partition/partition.hpp"
 
 namespace skein {
 namespace {
 
 constexpr std::uint8_t kWasFrozen = 64;  ///< scratch bit of vert_flags: frozen before the cut
-
-double predicted(const TetMesh& m, const MetricField& metric, TetId t) noexcept {
-  const auto& v = m.tet2vert[t];
-  std::uint8_t flags = 0;
-  double density = 0;
-  for (const VertId w : v) {
-    flags |= m.vert_flags[w];
-    density += metric.at[w].sqrt_det / 4;
-  }
-  if ((flags & kActive) == 0) return 0.02;
-  return 1 + 10 * density * std::abs(volume6(m, t)) / 6;
-}
+constexpr double kIdle = 0.01;           ///< work in a tetrahedron that is not active
 
 }  // namespace
 
-BlockLabels cut_blocks(const TetMesh& m, const MetricField& metric, int blocks) {
-  const std::size_t n = m.tet_slots();
-  std::vector<double> upto(n + 1, 0);
-  for (const TetId t : IdRange<TetId>(n)) upto[idx(t) + 1] = upto[idx(t)] + predicted(m, metric, t);
-  BlockLabels label(n);
-  for (const TetId t : IdRange<TetId>(n)) {
-    const double middle = 0.5 * (upto[idx(t)] + upto[idx(t) + 1]);
-    const int b = upto[n] > 0 ? static_cast<int>(middle / upto[n] * blocks) : 0;
-    label[t] = std::clamp(b, 0, blocks - 1);
+std::vector<std::int32_t> face_costs(const TetMesh& m, const MetricField& metric) {
+  std::vector<std::int32_t> cost(4 * m.tet_slots(), 1);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (int f = 0; f < 4; ++f) {
+      const auto v = face_verts(m, make_face(t, f));
+      const Vec3 a = m.coords[v[1]] - m.coords[v[0]], b = m.coords[v[2]] - m.coords[v[0]];
+      double area = 0;
+      for (const VertId w : v) {
+        const SymTensor& g = metric.at[w].m;
+        const double ab = dot(a, mul(g, b));
+        area += std::sqrt(std::max(0.0, quad(g, a) * quad(g, b) - ab * ab)) / 6;
+      }
+      cost[idx(make_face(t, f))] = static_cast<std::int32_t>(std::clamp(2 * area, 1.0, 1000.0));
+    }
   }
+  return cost;
+}
+
+BlockLabels cut_blocks(TetMesh& m, const MetricField& metric, int blocks) {
+  const auto cost = face_costs(m, metric);
+  // The partitioner wants a rank's mesh: it is lent to one that has no others beside it.
+  DistMesh alone;
+  alone.data.width = 6;
+  alone.data.values.reserve(6 * metric.size());
+  for (const SymTensor& l : metric.log_at) {
+    alone.data.values.insert(alone.data.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
+  }
+  alone.vert2gid.resize(m.vert_slots());
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) alone.vert2gid[v] = GlobalId{num(v)};
+  alone.global_verts = static_cast<std::int64_t>(m.vert_slots());
+  alone.global_tets = static_cast<std::int64_t>(m.tet_slots());
+  alone.mesh = std::move(m);
+  auto work = predicted_work(alone);
+  for (const TetId t : IdRange<TetId>(alone.mesh.tet_slots())) {
+    std::uint8_t flags = 0;
+    for (const VertId v : alone.mesh.tet2vert[t]) flags |= alone.mesh.vert_flags[v];
+    if ((flags & kActive) == 0) work[idx(t)] = kIdle;
+  }
+  MultilevelOptions options;
+  options.face_weight = cost;
+  const auto part = multilevel_partition(Comm::self(), alone, work, blocks, options);
+  m = std::move(alone.mesh);
+  BlockLabels label(m.tet_slots());
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) label[t] = num(part[t]);
   return label;
 }
 

@@ -10,10 +10,13 @@ namespace skein {
 /// Which thread works on each tetrahedron.
 using BlockLabels = IdVector<TetId, std::int32_t>;
 
-/// The block of each tetrahedron: contiguous in their order (that of the Hilbert curve after compact()), of equal
-/// predicted work: 1 + 10 sqrt(det M) V for tetrahedra with an active vertex, little for the others. @pre no free
-/// slots.
-BlockLabels cut_blocks(const TetMesh& mesh, const MetricField& metric, int blocks);
+/// What cutting each face (FaceId) costs: its area in the metric, i.e. about how many faces of the final mesh it stands
+/// for; 1 to 1000.
+std::vector<std::int32_t> face_costs(const TetMesh& mesh, const MetricField& metric);
+
+/// The block of each tetrahedron: compact blocks of equal predicted work with small interfaces in the final mesh, from
+/// the multilevel partitioner. Needs MPI, but no other rank. @pre no free slots. The mesh stays as it is.
+BlockLabels cut_blocks(TetMesh& mesh, const MetricField& metric, int blocks);
 
 /// Vertices with tetrahedra of several blocks: true.
 IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);

@@ -15,7 +15,7 @@
 namespace skein {
 namespace {
 
-constexpr int kActiveLayers = 2;               ///< round old interfaces that are worked on again
+constexpr int kActiveLayers = 1;               ///< round old interfaces that are worked on again
 constexpr int kMargin = 2;                     ///< layers round these that cavities may reach into
 constexpr std::size_t kSmallestBand = 50'000;  ///< the same for a band, which is mostly interface when it is cut
 constexpr std::size_t kSmallest = 2000;        ///< tetrahedra per thread below which threads do not pay
