@@ -157,10 +157,19 @@ GlobalId run_kernel(const Comm& comm, DistMesh& dist, const std::string& phase, 
   return first;
 }
 
+/// Who works: parts, one per rank, and threads on each of them.
+struct Workers {
+  int parts = 1, threads = 1;
+};
+/// Threads cut a part again, so they are counted like parts.
+Workers workers_for(const CutLimits& limits, int parts, int threads) noexcept {
+  return {parts, std::clamp(limits.able / parts, 1, threads)};
+}
+
 /// Collective. Lets a mesh that is too small for all the parts that its final state can feed grow on fewer ranks, with
 /// a coarser metric, until it can be cut. Interfaces through a few tetrahedra would have to be refined many times over
-/// with next to nothing beside them, and what comes of that costs more than the parts gain. Gives the parts.
-int grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseLog& log) {
+/// with next to nothing beside them, and what comes of that costs more than the parts gain.
+Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseLog& log) {
   // One worker alone does better, too: far from its final size, a mesh of few tetrahedra is all needles for a while.
   const int workers = std::max(2, comm.size() * local.threads);
   std::optional<Background> given;
@@ -171,14 +180,18 @@ int grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseLog& 
     const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
     // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
     if (limits.able >= limits.wanted || !helps || step == kMostSteps || local.spacing != nullptr)
-      return std::min(limits.wanted, comm.size());
+      return workers_for(limits, std::min(limits.wanted, comm.size()), local.threads);
     last = limits;
     log.start(fmt::format("growth {}: partition", step + 1));
     if (!given) given.emplace(comm, dist, dist.data);
     bound_growth(comm, dist, elements, kGrowth);
-    if (comm.size() > 1) cut_parts(comm, dist, std::min(limits.able, comm.size()), local);
+    const Workers now = workers_for(limits, std::min(limits.able, comm.size()), local.threads);
+    LocalOptions step_options = local;
+    step_options.threads = now.threads;
+    if (comm.size() > 1) cut_parts(comm, dist, now.parts, local);
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
-    run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log, [&] { return adapt_rank(dist, local); });
+    run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log,
+               [&] { return adapt_rank(dist, step_options); });
     dist.data = given->at_vertices(dist);
   }
 }
@@ -196,7 +209,8 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   });
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
-  const int parts = grow(comm, dist, local, log);
+  const auto [parts, threads] = grow(comm, dist, local, log);
+  local.threads = threads;
   log.start("round 1: partition");
   if (comm.size() > 1) cut_parts(comm, dist, parts, local);
   finish();
