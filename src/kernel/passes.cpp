@@ -97,7 +97,8 @@ class Passes {
   Shell shell_;
   std::vector<VertId> to_move_;
   IdVector<VertId, VertId> old2new_;
-  std::size_t ordered_;         ///< tetrahedra when they were put in order
+  std::size_t ordered_;  ///< tetrahedra when they were put in order
+  double collapsed_below_ = 0;
   std::int64_t expected_ = -1;  ///< expected_points() before the first points
 };
 
@@ -162,6 +163,10 @@ bool Passes::collapse_in(TetId t, double below, double max_length, double floor_
 
 std::int64_t Passes::collapse_short(double below, double max_length, double floor_q3) {
   const std::int64_t before = part_.counts.collapse;
+  if (below > collapsed_below_) {  // a higher bound: what was looked at counts anew
+    for (auto& d : part_.dirty) d |= kCollapsePass;
+  }
+  collapsed_below_ = below;
   const auto wanted = [&](TetId t) { return part_.edges[t].may_be_short != 0; };
   sweep(kCollapsePass, 10, wanted, [&](TetId t) { collapse_in(t, below, max_length, floor_q3); });
   return part_.counts.collapse - before;
@@ -337,6 +342,13 @@ void Passes::hunt_worst(double target) {
 }  // namespace
 
 namespace {
+/// How much work a mesh is worth. Removing vertices leaves worse elements than creating them, and far fewer; so a mesh
+/// that has lost more vertices than it keeps gets more: unit edges 96.1 -> 97.6 %, mean quality 0.874 -> 0.882.
+struct Care {
+  double swap;     ///< elements below this quality are swapped
+  double stretch;  ///< times split_above: the longest edge that removing a vertex may leave to be split again
+};
+constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
 constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
 constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
 }  // namespace
@@ -346,18 +358,19 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   const KernelOptions& o = part.options;
   pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
+  const auto verts = [&] { return static_cast<std::int64_t>(part.mesh.vert_slots() - part.free_verts.size()); };
+  const Care care = part.counts.collapse > verts() ? kCoarsened : kRefined;
   pass.create_points();
   pass.order_if_grown();
   for (int i = 0; i < kMostTurns; ++i) {
-    pass.swap_below(0.7);
+    pass.swap_below(care.swap);
     pass.smooth_below(0.9);
-    std::int64_t changed = pass.collapse_short(o.collapse_below, o.split_above, kFloor);
+    std::int64_t changed = pass.collapse_short(o.collapse_below, care.stretch * o.split_above, kFloor);
     changed += pass.create_points();
-    const auto verts = static_cast<std::int64_t>(part.mesh.vert_slots() - part.free_verts.size());
-    if (i >= 1 && kSettled * changed <= verts) break;
+    if (i >= 1 && kSettled * changed <= verts()) break;
   }
   pass.hunt_lengths(kFar);
-  pass.swap_below(0.7);
+  pass.swap_below(care.swap);
   pass.smooth_below(0.75);
   pass.hunt_lengths(kFar);
   pass.hunt_worst(0.5);
