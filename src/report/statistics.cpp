@@ -40,6 +40,15 @@ struct TetSums {
   std::array<std::int64_t, 18> angles{};
 };
 
+/// The cosines of 10, 20 .. 170 degrees: comparing with them is cheaper than an arc cosine for each angle.
+const std::array<double, 17> angle_bounds = [] {
+  std::array<double, 17> bounds;
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    bounds[i] = std::cos(std::numbers::pi / 18 * static_cast<double>(i + 1));
+  }
+  return bounds;
+}();
+
 void add_angles(const std::array<Vec3, 4>& x, TetSums& s) noexcept {
   std::array<Vec3, 4> normal;
   for (std::size_t f = 0; f < 4; ++f) {
@@ -52,8 +61,9 @@ void add_angles(const std::array<Vec3, 4>& x, TetSums& s) noexcept {
     const double clamped = std::clamp(c, -1.0, 1.0);
     s.max_cos = std::max(s.max_cos, clamped);
     s.min_cos = std::min(s.min_cos, clamped);
-    const double degrees = 180 / std::numbers::pi * std::acos(clamped);
-    ++s.angles[std::min<std::size_t>(17, static_cast<std::size_t>(degrees / 10))];
+    std::size_t bin = 0;  // of 10 degrees each
+    for (const double bound : angle_bounds) bin += clamped <= bound ? 1 : 0;
+    ++s.angles[bin];
   }
 }
 
@@ -129,25 +139,24 @@ struct EdgeSums {
 void edge_pass(const DistMesh& dist, const Balls& ball, const IdVector<VertId, VertMetric>* metric,
                const std::vector<char>& is_shared, std::size_t first, std::size_t last, EdgeSums& s) {
   const TetMesh& m = dist.mesh;
-  std::vector<VertId> around;
+  IdVector<VertId, VertId> seen_from(m.vert_slots(), kNoVert);
   for (std::size_t i = first; i < last; ++i) {
     const auto a = to_id<VertId>(i);
-    around.clear();
-    for (std::size_t k = ball.offset[i]; k < ball.offset[i + 1]; ++k) {
-      for (const VertId b : m.tet2vert[ball.tets[k]]) {
-        if (b > a) around.push_back(b);
-      }
-    }
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-    for (const VertId b : around) {
+    const auto meet = [&](VertId b) {
       if (is_shared[i] != 0 && is_shared[idx(b)] != 0) {
         s.shared.push_back({a, b});
-        continue;
+        return;
       }
       ++s.edges;
       if (metric != nullptr) {
         s.lengths.push_back(edge_length((*metric)[a].m, (*metric)[b].m, m.coords[b] - m.coords[a]));
+      }
+    };
+    for (std::size_t k = ball.offset[i]; k < ball.offset[i + 1]; ++k) {
+      for (const VertId b : m.tet2vert[ball.tets[k]]) {
+        if (b <= a || seen_from[b] == a) continue;
+        seen_from[b] = a;
+        meet(b);
       }
     }
   }
