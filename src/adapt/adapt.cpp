@@ -204,6 +204,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   local.spacing = options.spacing;
   local.kernel.surface = options.surface;
   local.kernel.centroid_points = options.points == PointCreation::kCentroids;
+  local.kernel.springs = options.smoothing == Smoothing::kSprings;
   agree(comm, [&] {
     if (dist.data.width != 6) throw Error(ExitCode::kInternal, "adapt needs the log-metric and nothing else as data");
   });

@@ -29,7 +29,7 @@ struct Options {
   FieldOptions fields;
   std::optional<double> gradation;
   AdaptOptions adapt;
-  std::string points = "edges";
+  std::string points = "edges", smoothing = "quality";
   double ridge_angle = DistributeOptions{}.ridge_angle;
   bool no_surface = false;
 };
@@ -66,6 +66,7 @@ Json to_json(const Options& o) {
   if (!o.fields.in.empty()) j["field_in"] = o.fields.in;
   if (!o.fields.out.empty()) j["field_out"] = o.fields.out;
   j["rounds"] = o.adapt.rounds, j["threads"] = o.adapt.threads, j["points"] = o.points;
+  j["smoothing"] = o.smoothing;
   j["ridge_angle"] = o.ridge_angle, j["surface"] = !o.no_surface;
   return j;
 }
@@ -125,6 +126,7 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   record.input = o.input;
   o.adapt.threads = o.run.threads;
   o.adapt.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
+  o.adapt.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
   o.adapt.surface = !o.no_surface;
   record.options = to_json(o);
   note_threads(comm, o.run.threads, record.log);
@@ -158,6 +160,7 @@ void add_adapt(CLI::App& cli, Run& run) {
   add_field_options(*verb, o->fields);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
   verb->add_option("--points", o->points, "how points are created")->check(CLI::IsMember({"edges", "centroid"}));
+  verb->add_option("--smoothing", o->smoothing, "how vertices are moved")->check(CLI::IsMember({"quality", "springs"}));
   verb->add_option("--ridge-angle", o->ridge_angle, "surface edges folded more than this are kept, degrees")
       ->check(CLI::Range(0.0, 180.0));
   verb->add_flag("--no-surface", o->no_surface, "keep the boundary triangles as they are");

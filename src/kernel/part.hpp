@@ -15,6 +15,7 @@ namespace skein {
 /// How the kernel's passes are driven; lengths are metric, qualities are Q (not cubed).
 struct KernelOptions {
   bool centroid_points = false;       ///< create points at centroids with exclusion zones instead of along edges
+  bool springs = false;               ///< move vertices by springs between them instead of by quality
   bool surface = true;                ///< tagged faces may change
   double split_above = 1.4142135623;  ///< edges longer than this get points
   double collapse_below = 0.7071067;  ///< edges shorter than this lose an end

@@ -77,6 +77,7 @@ bool Smoother::freedom(VertId v, Freedom& free) {
 }
 
 Vec3 Smoother::newton_step(VertId v, const Freedom& free, double& gain) {
+  gain = 0;
   const Cone::Newton n = cone_.newton(part_->x(v), part_->metric.at[v].m);
   if (!n.valid) return {};
   const Vec3 g = n.gradient;
@@ -96,6 +97,24 @@ Vec3 Smoother::newton_step(VertId v, const Freedom& free, double& gain) {
   }
   gain = -0.5 * dot(g, step) / n.value;
   return step;
+}
+
+Vec3 Smoother::spring_step(VertId v, const Freedom& free) const {
+  const TetMesh& m = part_->mesh;
+  const Vec3 x = part_->x(v);
+  Vec3 sum;
+  double count = 0;
+  for (const TetId t : ball_) {
+    for (const VertId w : m.tet2vert[t]) {  // a neighbour counts once for each tetrahedron round its edge
+      if (w == v) continue;
+      sum += (1 - 1 / std::max(part_->length(v, w), 0.1)) * (part_->x(w) - x);
+      count += 1;
+    }
+  }
+  const Vec3 step = (1 / count) * sum;
+  if (free.dims == 3) return step;
+  const Vec3 along = dot(step, free.t0) * free.t0;
+  return free.dims == 1 ? along : along + dot(step, free.t1) * free.t1;
 }
 
 bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
@@ -199,8 +218,8 @@ bool Smoother::move(VertId v, int tries) {
     sum += 1 / std::max(q, 1e-30);
     low = std::min(low, q);
   }
-  double gain = 0;
-  Vec3 step = newton_step(v, free, gain);
+  double gain = 1;
+  Vec3 step = p.options.springs ? spring_step(v, free) : newton_step(v, free, gain);
   if (!(gain > kSmallestGain) || !is_finite(step)) return false;
   // The step may not jump out of the ball: at most the size of an element.
   const double length2 = quad(p.metric.at[v].m, step);

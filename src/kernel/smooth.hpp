@@ -11,7 +11,8 @@ namespace skein {
 /// Moves vertices to the minimum of the sum of 1/Q^3 over their ball by damped Newton steps (the sum is led by the
 /// worst element and smooth); a step counts only if that sum, with the metric interpolated at the new place, gets
 /// smaller and the worst element does not fall below what it was, or below a good quality. Vertices of flat patches
-/// move in their plane, those of straight ridges along them, corners and frozen vertices stay.
+/// move in their plane, those of straight ridges along them, corners and frozen vertices stay. With
+/// KernelOptions::springs the steps come from springs, and count under the same conditions.
 class Smoother {
  public:
   explicit Smoother(Part& part) : part_(&part) {}
@@ -30,6 +31,8 @@ class Smoother {
   bool freedom(VertId v, Freedom& f);
   /// `gain`: the relative decrease of the sum that the step promises.
   [[nodiscard]] Vec3 newton_step(VertId v, const Freedom& f, double& gain);
+  /// Towards where springs of metric length 1 along the edges at v are in balance (the chapter's mesh cosmetics).
+  [[nodiscard]] Vec3 spring_step(VertId v, const Freedom& f) const;
   [[nodiscard]] bool interpolate(VertId v, Vec3 step, SymTensor& log_m);
   bool attempt(VertId v, Vec3 step, double old_sum, double old_min);
   void mark_changed(VertId v);

@@ -62,6 +62,7 @@ RC_GTEST_PROP(AdaptPart, KeepsFlatSidedMeshesInAnyMetric, ()) {
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
   Part p = make_part(spec, random_smooth_metric(random, 0.06, 0.6, 1));
   p.options.centroid_points = *rc::gen::element(false, false, true);
+  p.options.springs = *rc::gen::element(false, false, true);
   const Measures before = measure(p.mesh);
   adapt_part(p);
   RC_ASSERT(judge(p) == "");
