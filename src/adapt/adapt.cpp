@@ -151,6 +151,9 @@ GlobalId run_kernel(const Comm& comm, DistMesh& dist, const std::string& phase, 
     log.count("collapse", c.collapse);
     log.count("swap", c.swap);
     log.count("smooth", c.smooth);
+    log.count("poor_at_interface", c.poor_at_interface);
+    log.count("poor_at_boundary", c.poor_at_boundary);
+    log.count("poor_inside", c.poor_inside);
   });
   const GlobalId first = number_new_vertices(comm, dist);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));

@@ -53,11 +53,17 @@ inline constexpr std::array<std::array<std::uint8_t, 4>, 4> kEdgeOf{
 /// What a part has done.
 struct OperationCounts {
   std::int64_t insert = 0, collapse = 0, swap = 0, smooth = 0;
+  /// Elements below the quality that is hunted which no operator makes better, by what holds them: a vertex that must
+  /// stay for now (interface), one on the boundary or a feature, or nothing but their surroundings.
+  std::int64_t poor_at_interface = 0, poor_at_boundary = 0, poor_inside = 0;
   OperationCounts& operator+=(const OperationCounts& o) noexcept {
     insert += o.insert;
     collapse += o.collapse;
     swap += o.swap;
     smooth += o.smooth;
+    poor_at_interface += o.poor_at_interface;
+    poor_at_boundary += o.poor_at_boundary;
+    poor_inside += o.poor_inside;
     return *this;
   }
 };

@@ -63,6 +63,8 @@ class Passes {
   /// Works on the elements below `target` with every operator, accepting only what makes the worst element better,
   /// until none can be improved.
   void hunt_worst(double target);
+  /// Counts what is still below `target`, by what holds it (OperationCounts).
+  void count_poor(double target);
   /// Puts what is near in space near in memory, if much is new.
   void order_if_grown();
   /// Vertices before the first pass -> vertices now.
@@ -325,6 +327,18 @@ void Passes::hunt_lengths(const LengthHunt& hunt) {
   part_.options = strict;
 }
 
+void Passes::count_poor(double target) {
+  const auto limit = static_cast<float>(cube(target));
+  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
+    if (part_.q3[t] >= limit || !part_.mesh.is_live(t) || !part_.active(t)) continue;
+    std::uint8_t flags = 0;
+    for (const VertId v : part_.mesh.tet2vert[t]) flags |= part_.mesh.vert_flags[v];
+    OperationCounts& c = part_.counts;
+    const bool boundary = (flags & (kSurface | kRidge | kCorner | kRequired)) != 0;
+    ++((flags & kFrozen) != 0 ? c.poor_at_interface : boundary ? c.poor_at_boundary : c.poor_inside);
+  }
+}
+
 void Passes::hunt_worst(double target) {
   const auto limit = static_cast<float>(cube(target));
   for (int turn = 0; turn < kHuntTurns; ++turn) {
@@ -348,6 +362,7 @@ struct Care {
   double swap;     ///< elements below this quality are swapped
   double stretch;  ///< times split_above: the longest edge that removing a vertex may leave to be split again
 };
+constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
 constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
 constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
 constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
@@ -373,9 +388,10 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   pass.swap_below(care.swap);
   pass.smooth_below(0.75);
   pass.hunt_lengths(kFar);
-  pass.hunt_worst(0.5);
+  pass.hunt_worst(kPoor);
   pass.hunt_lengths(kVeryFar);
   pass.hunt_worst(0.4);
+  pass.count_poor(kPoor);
   return std::move(pass.old2new());
 }
 
