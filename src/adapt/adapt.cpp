@@ -37,8 +37,7 @@ constexpr int kMargin = 2;            ///< layers round these that cavities may 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
   const std::size_t n = dist.mesh.vert_slots();
-  f.at.reserve(n);
-  f.log_at.reserve(n);
+  f.reserve(n);
   for (const VertId v : IdRange<VertId>(n)) {
     const double* d = dist.data.at(v);
     f.push_back_log({d[0], d[1], d[2], d[3], d[4], d[5]});

@@ -199,13 +199,8 @@ class Joiner {
       tets += b.part.mesh.tet_slots() - b.part.free_tets.size();
       verts += b.part.mesh.vert_slots();
     }
-    out_.mesh.tet2vert.reserve(tets);
-    out_.mesh.tet2face.reserve(tets);
-    out_.mesh.face_tag.reserve(tets);
-    out_.mesh.tet_ref.reserve(tets);
-    out_.mesh.coords.reserve(verts);
-    out_.metric.at.reserve(verts);
-    out_.metric.log_at.reserve(verts);
+    out_.mesh.reserve(verts, tets);
+    out_.metric.reserve(verts);
   }
 
   Merged run() {

@@ -131,10 +131,7 @@ class LocalVertices final : public VertexAttributes {
  public:
   LocalVertices(MetricField& metric, std::span<VertId> frozen) : metric_(metric), frozen_(frozen) {}
   [[nodiscard]] SymTensor log_metric(VertId v) const override { return metric_.log_at[v]; }
-  void reserve(std::size_t n) override {
-    metric_.at.reserve(n);
-    metric_.log_at.reserve(n);
-  }
+  void reserve(std::size_t n) override { metric_.reserve(n); }
   void resize(std::size_t n) override {
     metric_.at.resize(n);
     metric_.log_at.resize(n);

@@ -8,7 +8,7 @@
 
 namespace skein {
 
-Cavity::Cavity(Part& part) : part_(&part), table_(1024), table_mask_(table_.size() - 1) {
+Cavity::Cavity(Part& part) : part_(&part), table_(1024), table_mask_(table_.size() - 1), mates_(kMaxLink * kMaxLink) {
   old_.reserve(256);
   fresh_.reserve(256);
   slots_.reserve(256);
@@ -183,6 +183,51 @@ void Cavity::commit() {
   }
   for (const TetId t : slots_) link(t);
   free_rest(fresh_.size());
+}
+
+void Cavity::commit_cone(VertId apex, std::span<const BorderFace> border, const Cone& cone,
+                         std::span<const VertId> link) {
+  // Two new tetrahedra share the face over an edge of the border, which one meets as (a, b), the other as (b, a): a
+  // table over the link's vertices, numbered from 0, is all it takes to find each other.
+  Part& p = *part_;
+  TetMesh& m = p.mesh;
+  for (std::size_t i = 0; i < link.size(); ++i) p.vert_mark[link[i]] = static_cast<std::uint32_t>(i);
+  const auto mate = [&](VertId a, VertId b) -> FaceId& { return mates_[p.vert_mark[a] * kMaxLink + p.vert_mark[b]]; };
+  slots_.clear();
+  for (std::size_t i = 0; i < border.size(); ++i) {
+    const BorderFace& f = border[i];
+    const TetId t = take_slot(i);
+    slots_.push_back(t);
+    p.edges[t] = f.edges;
+    for (std::size_t e = 0; e < 3; ++e) {
+      p.edges[t].add(e, p.edge_class[f.v[e]]);
+      m.vert2tet[f.v[e]] = t;
+    }
+    m.tet2vert[t] = {apex, f.v[0], f.v[1], f.v[2]};
+    m.tet2face[t][0] = f.behind;
+    m.face_tag[t] = {f.tag, 0, 0, 0};
+    m.tet_ref[t] = f.ref;
+    p.q3[t] = static_cast<float>(cone.q3(i));
+    p.dirty[t] = kAllPasses;
+    p.tet_mark[t] = 0;
+    p.refused[t] = 0;
+    if (f.behind != kNoFace) {
+      m.tet2face[face_tet(f.behind)][static_cast<std::size_t>(face_side(f.behind))] = make_face(t, 0);
+    }
+    mate(f.v[0], f.v[1]) = make_face(t, 3);
+    mate(f.v[1], f.v[2]) = make_face(t, 1);
+    mate(f.v[2], f.v[0]) = make_face(t, 2);
+  }
+  m.vert2tet[apex] = slots_.front();
+  for (std::size_t i = 0; i < border.size(); ++i) {
+    const auto& v = border[i].v;
+    auto& faces = m.tet2face[slots_[i]];
+    faces[3] = mate(v[1], v[0]);
+    faces[1] = mate(v[2], v[1]);
+    faces[2] = mate(v[0], v[2]);
+  }
+  for (const VertId v : link) p.vert_mark[v] = 0;
+  free_rest(border.size());
 }
 
 void Cavity::free_rest(std::size_t used) {

@@ -2,11 +2,23 @@
 // changing anything, then committed together.
 #pragma once
 #include <array>
+#include <span>
 #include <vector>
 
+#include "kernel/cone.hpp"
 #include "kernel/part.hpp"
 
 namespace skein {
+
+/// A face between a cavity and what stays.
+struct BorderFace {
+  std::array<VertId, 3> v;  ///< counter-clockwise seen from outside the cavity
+  FaceId behind;
+  std::uint32_t old;  ///< position in the cavity's old tetrahedra
+  std::int32_t ref;
+  FaceTag tag;
+  EdgeBits edges;  ///< of the face, as they will be in a new tetrahedron (apex, v0, v1, v2)
+};
 
 /// A set of old tetrahedra and the new ones that shall fill the same space. All scratch is reused between operations.
 class Cavity {
@@ -44,10 +56,11 @@ class Cavity {
   /// Replaces the old tetrahedra by the new ones: links them with each other, with the outside and with the walls. New
   /// ones are dirty for all passes. @pre the new tetrahedra fill the old ones' space.
   void commit();
-  /// For those who link new tetrahedra themselves: the i-th new one's slot (the old ones' first), and what remains of
-  /// the old ones after `used` of them.
-  TetId take_slot(std::size_t i);
-  void free_rest(std::size_t used);
+  /// The same for a cavity without walls whose new tetrahedra all have the apex: one on each face of the border, judged
+  /// by `cone` in the same order. `link`: the border's vertices, with Part::edge_class of the edges from the apex to
+  /// them. @pre link.size() <= kMaxLink.
+  void commit_cone(VertId apex, std::span<const BorderFace> border, const Cone& cone, std::span<const VertId> link);
+  static constexpr std::size_t kMaxLink = 64;
   /// The tetrahedra that the last commit made.
   [[nodiscard]] const std::vector<TetId>& new_tets() const noexcept { return slots_; }
 
@@ -66,6 +79,10 @@ class Cavity {
   };
   Entry& lookup(VertId a, VertId b, VertId c) noexcept;
   void enter_outer_faces();
+  /// The slot of the i-th new tetrahedron: the old ones' first.
+  TetId take_slot(std::size_t i);
+  /// Gives back the old ones' slots from the number `used` on.
+  void free_rest(std::size_t used);
   void link(TetId t);
 
   Part* part_;
@@ -82,6 +99,7 @@ class Cavity {
   std::vector<Entry> table_;
   std::uint32_t table_stamp_ = 0;
   std::size_t table_mask_ = 0;
+  std::vector<FaceId> mates_;  ///< of commit_cone: kMaxLink rows
 };
 
 }  // namespace skein

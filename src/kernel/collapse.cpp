@@ -106,7 +106,6 @@ bool Collapser::gather_within(VertId v, VertId u, TetId at, double max_length) {
   // neighbour of u already may be as far as it is.
   Part& p = *part_;
   const TetMesh& m = p.mesh;
-  auto& ball = cavity_->old_tets();
   bool ring_known = false;
   const auto is_neighbour = [&](VertId w) {
     if (!ring_known) ring_known = gather_shell(m, at, v, u, shell_);
@@ -115,21 +114,15 @@ bool Collapser::gather_within(VertId v, VertId u, TetId at, double max_length) {
   };
   const auto fits = [&](VertId w) { return w == u || !p.is_longer(u, w, max_length) || is_neighbour(w); };
   cavity_->add(at);
-  for (std::size_t i = 0; i < ball.size(); ++i) {
-    const TetId t = ball[i];
-    const auto& tv = m.tet2vert[t];
-    const auto& tf = m.tet2face[t];
-    for (std::size_t f = 0; f < 4; ++f) {
-      if (tv[f] == v || tf[f] == kNoFace) continue;
-      const TetId nb = face_tet(tf[f]);
-      if (cavity_->contains(nb)) continue;
-      if (!fits(m.tet2vert[nb][static_cast<std::size_t>(face_side(tf[f]))])) return false;
-      cavity_->add(nb);
-    }
-    if (ball.size() > kMaxBall) return false;
-  }
-  return true;
+  return walk_ball(m, v, cavity_->old_tets(), 0, kMaxBall, [&](FaceId f) {
+    const TetId nb = face_tet(f);
+    if (cavity_->contains(nb)) return true;
+    if (!fits(m.tet2vert[nb][static_cast<std::size_t>(face_side(f))])) return false;
+    cavity_->add(nb);
+    return true;
+  });
 }
+
 bool Collapser::facets_can_move(VertId v, VertId u) const noexcept {
   const TetMesh& m = part_->mesh;
   for (const TetId t : cavity_->old_tets()) {

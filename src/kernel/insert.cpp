@@ -129,7 +129,7 @@ bool Inserter::too_close(VertId p, double min_length) {
 }
 
 bool Inserter::neighbours_too_close(VertId p, double min_length) {
-  for (const Border& f : border_) {
+  for (const BorderFace& f : border_) {
     if (f.behind == kNoFace) continue;
     const TetId nb = face_tet(f.behind);
     if (cavity_->contains(nb)) continue;
@@ -144,7 +144,7 @@ bool Inserter::keeps_vertices() {
   std::size_t inside = 0;
   link_.clear();
   const std::uint32_t stamp = ++part_->vert_stamp;
-  for (const Border& f : border_) {
+  for (const BorderFace& f : border_) {
     for (const VertId v : f.v) {
       if (part_->vert_mark[v] == stamp) continue;
       part_->vert_mark[v] = stamp;
@@ -185,62 +185,15 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
 }
 
 void Inserter::commit(VertId p) {
-  if (!walled_ && link_.size() <= kMaxLink) {
-    commit_cone(p);
+  if (!walled_ && link_.size() <= Cavity::kMaxLink) {
+    cavity_->commit_cone(p, border_, cone_, link_);
     return;
   }
   for (std::size_t i = 0; i < border_.size(); ++i) {
-    const Border& f = border_[i];
+    const BorderFace& f = border_[i];
     cavity_->accept(p, f.v[0], f.v[1], f.v[2], f.ref, cone_.q3(i));
   }
   cavity_->commit();
-}
-
-void Inserter::commit_cone(VertId p) {
-  // Two new tetrahedra share the face over an edge of the border, which one meets as (a, b), the other as (b, a): a
-  // table over the link's vertices, numbered from 0, is all it takes to find each other.
-  Part& part = *part_;
-  TetMesh& m = part.mesh;
-  for (std::size_t i = 0; i < link_.size(); ++i) part.vert_mark[link_[i]] = static_cast<std::uint32_t>(i);
-  slots_.clear();
-  for (std::size_t i = 0; i < border_.size(); ++i) {
-    const Border& f = border_[i];
-    const TetId t = cavity_->take_slot(i);
-    slots_.push_back(t);
-    std::array<std::size_t, 3> k;
-    EdgeBits bits = f.edges;
-    for (std::size_t e = 0; e < 3; ++e) {
-      k[e] = part.vert_mark[f.v[e]];
-      bits.add(e, part.edge_class[f.v[e]]);
-      m.vert2tet[f.v[e]] = t;
-    }
-    m.tet2vert[t] = {p, f.v[0], f.v[1], f.v[2]};
-    m.tet2face[t][0] = f.behind;
-    m.face_tag[t] = {f.tag, 0, 0, 0};
-    m.tet_ref[t] = f.ref;
-    part.q3[t] = static_cast<float>(cone_.q3(i));
-    part.dirty[t] = kAllPasses;
-    part.edges[t] = bits;
-    part.tet_mark[t] = 0;
-    part.refused[t] = 0;
-    if (f.behind != kNoFace) {
-      m.tet2face[face_tet(f.behind)][static_cast<std::size_t>(face_side(f.behind))] = make_face(t, 0);
-    }
-    mates_[k[0] * kMaxLink + k[1]] = make_face(t, 3);
-    mates_[k[1] * kMaxLink + k[2]] = make_face(t, 1);
-    mates_[k[2] * kMaxLink + k[0]] = make_face(t, 2);
-  }
-  m.vert2tet[p] = slots_.front();
-  for (std::size_t i = 0; i < border_.size(); ++i) {
-    const auto& v = border_[i].v;
-    const std::size_t a = part.vert_mark[v[0]], b = part.vert_mark[v[1]], c = part.vert_mark[v[2]];
-    auto& faces = m.tet2face[slots_[i]];
-    faces[3] = mates_[b * kMaxLink + a];
-    faces[1] = mates_[c * kMaxLink + b];
-    faces[2] = mates_[a * kMaxLink + c];
-  }
-  for (const VertId v : link_) part.vert_mark[v] = 0;
-  cavity_->free_rest(border_.size());
 }
 
 InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {

@@ -41,28 +41,15 @@ class Inserter {
   /// Classifies the new edges (Part::edge_class).
   [[nodiscard]] bool link_too_close(VertId p, double min_length);
   void commit(VertId p);
-  void commit_cone(VertId p);
   [[nodiscard]] bool is_split_face(FaceId f) const noexcept;
   [[nodiscard]] bool is_inner(FaceId f) const noexcept;
-
-  struct Border {
-    std::array<VertId, 3> v;  ///< counter-clockwise seen from outside the cavity
-    FaceId behind;
-    std::uint32_t old;  ///< position in the cavity's old tetrahedra
-    std::int32_t ref;
-    FaceTag tag;
-    EdgeBits edges;  ///< of the face, as they will be in the new tetrahedron
-  };
-  static constexpr std::size_t kMaxLink = 64;
 
   Part* part_;
   Cavity* cavity_;
   Cone cone_;
   Shell shell_;
-  std::vector<Border> border_;
+  std::vector<BorderFace> border_;
   std::vector<VertId> link_;
-  std::vector<TetId> slots_;
-  std::vector<FaceId> mates_ = std::vector<FaceId>(kMaxLink * kMaxLink);
   bool on_edge_ = false;
   bool walled_ = false;  ///< a tagged face of the shell lies in the cavity
 };

@@ -120,26 +120,17 @@ void mark_refused(Part& p, const Shell& s) noexcept {
 }
 
 bool gather_ball(Part& p, VertId v, std::vector<TetId>& ball, std::size_t max) {
-  const TetMesh& m = p.mesh;
   const std::uint32_t stamp = ++p.tet_stamp;
   const std::size_t begin = ball.size();
-  const TetId t0 = m.vert2tet[v];
-  p.tet_mark[t0] = stamp;
-  ball.push_back(t0);
-  for (std::size_t i = begin; i < ball.size(); ++i) {
-    const TetId t = ball[i];
-    const auto& tv = m.tet2vert[t];
-    const auto& tf = m.tet2face[t];
-    for (std::size_t f = 0; f < 4; ++f) {
-      if (tv[f] == v || tf[f] == kNoFace) continue;
-      const TetId nb = face_tet(tf[f]);
-      if (p.tet_mark[nb] == stamp) continue;
-      p.tet_mark[nb] = stamp;
-      ball.push_back(nb);
-    }
-    if (ball.size() - begin > max) return false;
-  }
-  return true;
+  p.tet_mark[p.mesh.vert2tet[v]] = stamp;
+  ball.push_back(p.mesh.vert2tet[v]);
+  return walk_ball(p.mesh, v, ball, begin, max, [&](FaceId f) {
+    const TetId nb = face_tet(f);
+    if (p.tet_mark[nb] == stamp) return true;
+    p.tet_mark[nb] = stamp;
+    ball.push_back(nb);
+    return true;
+  });
 }
 
 }  // namespace skein

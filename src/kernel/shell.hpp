@@ -36,6 +36,24 @@ unsigned large_rings(const TetMesh& mesh, TetId t) noexcept;
 /// Tells the shell's tetrahedra that the operation at hand has been refused for its edge (Part::refused).
 void mark_refused(Part& part, const Shell& shell) noexcept;
 
+/// From the tetrahedra at v in `ball` (from `begin` on) over faces to all others at v. Calls meet(face) for the faces
+/// that are come to (of tetrahedra that may be in the ball already); meet appends what is new to the ball, and stops
+/// the walk by returning false. False when it was stopped or there are more than `max`.
+template <class Meet>
+bool walk_ball(const TetMesh& mesh, VertId v, std::vector<TetId>& ball, std::size_t begin, std::size_t max,
+               Meet&& meet) {
+  for (std::size_t i = begin; i < ball.size(); ++i) {
+    const TetId t = ball[i];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceId nb = mesh.tet2face[t][f];
+      if (mesh.tet2vert[t][f] == v || nb == kNoFace) continue;
+      if (!meet(nb)) return false;
+    }
+    if (ball.size() - begin > max) return false;
+  }
+  return true;
+}
+
 /// Appends the tetrahedra at v to `ball`, marking them with a new stamp (Part::tet_stamp). False when there are more
 /// than `max`.
 bool gather_ball(Part& part, VertId v, std::vector<TetId>& ball, std::size_t max = 1000);

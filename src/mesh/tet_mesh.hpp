@@ -54,6 +54,16 @@ struct TetMesh {
 
   [[nodiscard]] std::size_t vert_slots() const noexcept { return coords.size(); }
   [[nodiscard]] std::size_t tet_slots() const noexcept { return tet2vert.size(); }
+  void reserve(std::size_t verts, std::size_t tets) {
+    coords.reserve(verts);
+    vert_ref.reserve(verts);
+    vert_flags.reserve(verts);
+    vert2tet.reserve(verts);
+    tet2vert.reserve(tets);
+    tet2face.reserve(tets);
+    face_tag.reserve(tets);
+    tet_ref.reserve(tets);
+  }
   [[nodiscard]] bool is_live(TetId t) const noexcept { return tet2vert[t][0] != kNoVert; }
   [[nodiscard]] bool is_live(VertId v) const noexcept { return vert2tet[v] != kNoTet; }
   [[nodiscard]] bool has(VertId v, std::uint8_t flags) const noexcept { return (vert_flags[v] & flags) != 0; }

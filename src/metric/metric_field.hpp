@@ -18,6 +18,10 @@ struct MetricField {
   IdVector<VertId, SymTensor> log_at;
 
   [[nodiscard]] std::size_t size() const noexcept { return at.size(); }
+  void reserve(std::size_t n) {
+    at.reserve(n);
+    log_at.reserve(n);
+  }
   /// Appends a vertex whose metric has this logarithm.
   void push_back_log(const SymTensor& log_m) {
     log_at.push_back(log_m);
