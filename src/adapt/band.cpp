@@ -170,19 +170,23 @@ class Return {
     m_.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
   }
 
-  /// The band has become smaller: tetrahedra from the end take the free places.
-  void fill_free_tets() {
-    std::size_t n = m_.tet_slots();
-    std::size_t hole = 0, holes = free_tets_.size();
+  /// The places `free` (ascending) of n are taken by what lies at the end: calls move(from, to); gives what n becomes.
+  template <class Id, class Move>
+  static std::size_t fill_holes(const std::vector<Id>& free, std::size_t n, Move&& move) {
+    std::size_t hole = 0, holes = free.size();
     while (hole < holes) {
-      const TetId last = to_id<TetId>(--n);
-      if (free_tets_[holes - 1] == last) {
+      const Id last = to_id<Id>(--n);
+      if (free[holes - 1] == last) {
         --holes;
-        continue;
+      } else {
+        move(last, free[hole++]);
       }
-      move_tet(last, free_tets_[hole++]);
     }
-    resize_tets(n);
+    return n;
+  }
+
+  void fill_free_tets() {
+    resize_tets(fill_holes(free_tets_, m_.tet_slots(), [&](TetId from, TetId to) { move_tet(from, to); }));
   }
   void move_tet(TetId from, TetId to) {
     m_.tet2vert[to] = m_.tet2vert[from];
@@ -198,19 +202,12 @@ class Return {
 
   void fill_free_verts() {
     if (free_verts_.empty()) return;
-    std::size_t n = m_.vert_slots();
-    const std::size_t first = n - free_verts_.size();  // what lies behind goes into the holes before it
+    const std::size_t first = m_.vert_slots() - free_verts_.size();  // what lies behind goes into the holes before it
     IdVector<VertId, VertId> old2new(free_verts_.size(), kNoVert);
-    std::size_t hole = 0, holes = free_verts_.size();
-    while (hole < holes) {
-      const VertId last = to_id<VertId>(--n);
-      if (free_verts_[holes - 1] == last) {
-        --holes;
-        continue;
-      }
-      move_vertex(last, free_verts_[hole]);
-      old2new[to_id<VertId>(n - first)] = free_verts_[hole++];
-    }
+    const std::size_t n = fill_holes(free_verts_, m_.vert_slots(), [&](VertId from, VertId to) {
+      move_vertex(from, to);
+      old2new[to_id<VertId>(idx(from) - first)] = to;
+    });
     follow(old2new, first);
     m_.coords.resize(n);
     m_.vert_ref.resize(n);

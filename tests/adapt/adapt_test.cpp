@@ -50,20 +50,7 @@ std::vector<Case> cases(int threads = 1) {
           {"regions", 6, true, uniform(0.09)}};
 }
 
-DistMesh make(const Comm& comm, const Case& c) {
-  const MeshSlice file = slices(comm, cube(c.n, c.regions, c.regions));
-  FieldSlice f;
-  f.path = "cube.sol";
-  f.total = file.total_verts;
-  f.first = file.first_vert;
-  f.kinds = {FieldKind::kTensor};
-  f.width = 6;
-  for (const Vec3 x : file.coords) {
-    const SymTensor l = c.metric(x);
-    f.values.insert(f.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
-  }
-  return distribute(comm, file, &f);
-}
+DistMesh make(const Comm& comm, const Case& c) { return with_metric(comm, cube(c.n, c.regions, c.regions), c.metric); }
 
 void run(const Comm& comm, DistMesh& dist, int threads, bool surface = true) {
   AdaptOptions options;

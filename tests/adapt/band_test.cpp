@@ -14,16 +14,7 @@ namespace {
 
 /// A cube of two regions on all ranks that asks for the edge length h; active where x < 0.4.
 DistMesh make(const Comm& comm, double h) {
-  const MeshSlice file = slices(comm, cube(10, true, true));
-  FieldSlice f;
-  f.path = "cube.sol";
-  f.total = file.total_verts;
-  f.first = file.first_vert;
-  f.kinds = {FieldKind::kTensor};
-  f.width = 6;
-  const double l = -2 * std::log(h);
-  for (std::size_t i = 0; i < file.coords.size(); ++i) f.values.insert(f.values.end(), {l, 0, l, 0, 0, l});
-  DistMesh dist = distribute(comm, file, &f);
+  DistMesh dist = with_metric(comm, cube(10, true, true), [&](Vec3) { return isotropic(-2 * std::log(h)); });
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     if (dist.mesh.coords[v].x < 0.4) dist.mesh.vert_flags[v] |= kActive;
   }

@@ -18,18 +18,7 @@ namespace {
 /// A cube of n^3 cells; edge length h(x) along all axes.
 template <class Size>
 DistMesh make(const Comm& comm, int n, Size&& h) {
-  const MeshSlice file = slices(comm, cube(n));
-  FieldSlice f;
-  f.path = "cube.sol";
-  f.total = file.total_verts;
-  f.first = file.first_vert;
-  f.kinds = {FieldKind::kTensor};
-  f.width = 6;
-  for (const Vec3 x : file.coords) {
-    const double l = -2 * std::log(h(x));
-    f.values.insert(f.values.end(), {l, 0, l, 0, 0, l});
-  }
-  return distribute(comm, file, &f);
+  return with_metric(comm, cube(n), [&](Vec3 x) { return isotropic(-2 * std::log(h(x))); });
 }
 double sum(const Comm& comm, const std::vector<double>& v) {
   return comm.sum(std::accumulate(v.begin(), v.end(), 0.0));

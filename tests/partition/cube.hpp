@@ -12,6 +12,7 @@
 #include "comm/file.hpp"
 #include "io/mesh_slice.hpp"
 #include "mesh/check.hpp"
+#include "metric/tensor.hpp"
 #include "partition/distribute.hpp"
 #include "partition/gather_slices.hpp"
 #include "partition/migrate.hpp"
@@ -217,6 +218,23 @@ inline IdVector<TetId, Rank> scatter(const Comm& comm, const DistMesh& dist, uns
   IdVector<TetId, Rank> dest(dist.mesh.tet_slots());
   for (auto& r : dest) r = to_id<Rank>(random() % static_cast<unsigned>(comm.size()));
   return dest;
+}
+
+/// Collective. The whole mesh on all ranks with the log-metric log_metric(x) as data.
+template <class LogMetric>
+DistMesh with_metric(const Comm& comm, const Whole& whole, LogMetric&& log_metric) {
+  const MeshSlice file = slices(comm, whole);
+  FieldSlice f;
+  f.path = "cube.sol";
+  f.total = file.total_verts;
+  f.first = file.first_vert;
+  f.kinds = {FieldKind::kTensor};
+  f.width = 6;
+  for (const Vec3 x : file.coords) {
+    const SymTensor l = log_metric(x);
+    f.values.insert(f.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
+  }
+  return distribute(comm, file, &f);
 }
 
 }  // namespace skein::test
