@@ -1,6 +1,7 @@
 // Cavity: the one way in which topology changes. Old tetrahedra are named, new ones proposed and judged without
 // changing anything, then committed together.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -30,9 +31,13 @@ class Cavity {
   /// Adds an old tetrahedron.
   void add(TetId t);
   [[nodiscard]] bool contains(TetId t) const noexcept { return part_->tet_mark[t] == stamp_; }
-  /// Remembers until clear() that t does not belong here; is_known is true for what is in the set or remembered so.
-  void mark_outside(TetId t) noexcept { part_->tet_mark[t] = stamp_ - 1; }
-  [[nodiscard]] bool is_known(TetId t) const noexcept { return part_->tet_mark[t] >= stamp_ - 1; }
+  /// Remembers until clear() that t has been met; true the first time, and never for what is in the set.
+  bool meet(TetId t) noexcept {
+    std::uint32_t& mark = part_->tet_mark[t];
+    const bool first = mark < stamp_ - 1;
+    mark = std::max(mark, stamp_ - 1);
+    return first;
+  }
   std::vector<TetId>& old_tets() noexcept { return old_; }
   void remove_at(std::size_t i) noexcept;
 

@@ -156,4 +156,32 @@ Cone::Place Cone::locate(Vec3 x, Vec3 step) {
   return best;
 }
 
+void Spheres::add(const Part& p, const std::array<VertId, 4>& verts) {
+  const std::size_t k = size_ / kLanes, l = size_ % kLanes;
+  if (k == blocks_.size()) blocks_.emplace_back();
+  auto& to = blocks_[k].x;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 x = p.x(verts[i]);
+    to[i][0][l] = x.x, to[i][1][l] = x.y, to[i][2][l] = x.z;
+  }
+  ++size_;
+}
+
+void Spheres::test(Vec3 x, const SymTensor& m) {
+  // What the lanes beyond the last tetrahedron hold is of an earlier test, and nobody reads the result.
+  for (std::size_t k = 0; k * kLanes < size_; ++k) {
+    Block& s = blocks_[k];
+    const auto& [pa, pb, pc, pd] = s.x;
+#pragma GCC ivdep
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const Vec3 a{pa[0][l] - x.x, pa[1][l] - x.y, pa[2][l] - x.z};
+      const Vec3 b{pb[0][l] - x.x, pb[1][l] - x.y, pb[2][l] - x.z};
+      const Vec3 c{pc[0][l] - x.x, pc[1][l] - x.y, pc[2][l] - x.z};
+      const Vec3 d{pd[0][l] - x.x, pd[1][l] - x.y, pd[2][l] - x.z};
+      const Vec3 cd = cross(c, d), ab = cross(a, b);
+      s.inside[l] = quad(m, a) * dot(b, cd) - quad(m, b) * dot(a, cd) + quad(m, c) * dot(ab, d) - quad(m, d) * dot(ab, c);
+    }
+  }
+}
+
 }  // namespace skein

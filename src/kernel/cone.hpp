@@ -1,4 +1,4 @@
-// Cone: many faces and one apex, measured eight at a time.
+// Cone and Spheres: many faces or tetrahedra and one point, measured eight at a time.
 #pragma once
 #include <array>
 #include <vector>
@@ -55,6 +55,27 @@ class Cone {
   std::size_t size_ = 0;
   std::vector<Block> blocks_;
   std::vector<Lanes> q3_;
+};
+
+/// Tetrahedra whose circumspheres, in the metric of a point, may contain it.
+class Spheres {
+ public:
+  void clear() noexcept { size_ = 0; }
+  /// A positively oriented tetrahedron.
+  void add(const Part& part, const std::array<VertId, 4>& verts);
+  void test(Vec3 x, const SymTensor& m);
+  /// Of the i-th tetrahedron added. @pre test has been called since.
+  [[nodiscard]] bool contain(std::size_t i) const noexcept { return blocks_[i / kLanes].inside[i % kLanes] > 0; }
+
+ private:
+  static constexpr std::size_t kLanes = 8;
+  using Lanes = std::array<double, kLanes>;
+  struct alignas(64) Block {
+    std::array<std::array<Lanes, 3>, 4> x{};  ///< of the four vertices
+    Lanes inside{};                          ///< positive when the point lies inside
+  };
+  std::size_t size_ = 0;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace skein

@@ -27,74 +27,76 @@ EdgeBits base_edges(EdgeBits old, std::size_t side) noexcept {
   return {kBaseEdges[side][old.may_be_long], kBaseEdges[side][old.may_be_short]};
 }
 
-/// Positive when the origin lies inside the circumsphere, in the metric m, of the positively oriented tetrahedron with
-/// vertices a, b, c, d relative to it.
-double in_sphere(const SymTensor& m, Vec3 a, Vec3 b, Vec3 c, Vec3 d) noexcept {
-  const Vec3 cd = cross(c, d), ab = cross(a, b);
-  const double bcd = dot(b, cd), acd = dot(a, cd), abd = dot(ab, d), abc = dot(ab, c);
-  return quad(m, a) * bcd - quad(m, b) * acd + quad(m, c) * abd - quad(m, d) * abc;
-}
-
 }  // namespace
 
 bool Inserter::is_split_face(FaceId f) const noexcept {
-  if (!on_edge_ || part_->mesh.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))] == 0) return false;
+  if (!on_edge_) return false;
   const auto& tv = part_->mesh.tet2vert[face_tet(f)];
   const VertId apex = tv[static_cast<std::size_t>(face_side(f))];
   return apex != shell_.a && apex != shell_.b && has_vertex(tv, shell_.a) && has_vertex(tv, shell_.b);
 }
 
-bool Inserter::is_inner(FaceId f) const noexcept {
-  // The cavity may grow round a tagged face, coming to it from both sides. Such a face stays: it counts as outer for
-  // both, and the side that cannot see the new point falls away.
-  const FaceId nb = part_->mesh.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))];
-  return nb != kNoFace && cavity_->contains(face_tet(nb)) &&
-         part_->mesh.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))] == 0;
-}
-
 void Inserter::grow(VertId p) {
+  // Layer by layer, and within a layer first all neighbours, then all tests, without branches on what is found: that is
+  // as good as random, and a wrong guess costs more than a test.
   const TetMesh& m = part_->mesh;
-  const Vec3 xp = part_->x(p);
-  const SymTensor& metric = part_->metric.at[p].m;
   auto& old = cavity_->old_tets();
-  for (std::size_t i = 0; i < old.size() && old.size() < kMaxCavity; ++i) {
-    const TetId t = old[i];
-    for (std::size_t f = 0; f < 4; ++f) {
-      const FaceId nf = m.tet2face[t][f];
-      if (nf == kNoFace || m.face_tag[t][f] != 0) continue;
-      const TetId nb = face_tet(nf);
-      if (cavity_->is_known(nb)) continue;
-      const auto& v = m.tet2vert[nb];
-      const Vec3 a = part_->x(v[0]) - xp, b = part_->x(v[1]) - xp, c = part_->x(v[2]) - xp, d = part_->x(v[3]) - xp;
-      if (in_sphere(metric, a, b, c, d) > 0) {
-        cavity_->add(nb);
-      } else {
-        cavity_->mark_outside(nb);
+  for (std::size_t from = 0; from < old.size() && old.size() < kMaxCavity;) {
+    if (around_.size() < 4 * old.size()) around_.resize(4 * old.size());
+    std::size_t n = 0;
+    for (; from < old.size(); ++from) {
+      const TetId t = old[from];
+      for (std::size_t f = 0; f < 4; ++f) {
+        const FaceId nf = m.tet2face[t][f];
+        const bool shut = nf == kNoFace || m.face_tag[t][f] != 0;
+        const TetId nb = shut ? t : face_tet(nf);
+        around_[n] = nb;
+        n += cavity_->meet(nb) ? 1 : 0;
       }
     }
+    spheres_.clear();
+    for (std::size_t i = 0; i < n; ++i) spheres_.add(*part_, m.tet2vert[around_[i]]);
+    spheres_.test(part_->x(p), part_->metric.at[p].m);
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      around_[inside] = around_[i];
+      inside += spheres_.contain(i) ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < inside; ++i) cavity_->add(around_[i]);
   }
 }
 
 void Inserter::collect_border() {
+  // The cavity may grow round a tagged face, coming to it from both sides. Such a face stays: it counts as outer for
+  // both, and the side that cannot see the new point falls away.
   const TetMesh& m = part_->mesh;
+  const auto& old = cavity_->old_tets();
+  if (outer_.size() < 4 * old.size()) outer_.resize(4 * old.size());
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < old.size(); ++i) {
+    const TetId t = old[i];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceId nf = m.tet2face[t][f];
+      const bool shut = nf == kNoFace || m.face_tag[t][f] != 0;
+      outer_[n] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(f)};
+      n += shut || !cavity_->contains(face_tet(nf)) ? 1 : 0;
+    }
+  }
   border_.clear();
   cone_.clear();
   walled_ = false;
-  const auto& old = cavity_->old_tets();
-  for (std::size_t i = 0; i < old.size(); ++i) {
-    for (int f = 0; f < 4; ++f) {
-      const FaceId face = make_face(old[i], f);
-      if (is_inner(face)) continue;
-      if (is_split_face(face)) {
-        walled_ = true;
-        continue;
-      }
-      const auto v = face_verts(m, face);
-      const auto s = static_cast<std::size_t>(f);
-      border_.push_back({v, m.tet2face[old[i]][s], static_cast<std::uint32_t>(i), m.tet_ref[old[i]],
-                         m.face_tag[old[i]][s], base_edges(part_->edges[old[i]], s)});
-      cone_.add(*part_, v[0], v[1], v[2]);
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto [i, s] = outer_[k];
+    const TetId t = old[i];
+    const FaceId face = make_face(t, static_cast<int>(s));
+    const FaceTag tag = m.face_tag[t][s];
+    if (tag != 0 && is_split_face(face)) {
+      walled_ = true;
+      continue;
     }
+    const auto v = face_verts(m, face);
+    border_.push_back({v, m.tet2face[t][s], i, m.tet_ref[t], tag, base_edges(part_->edges[t], s)});
+    cone_.add(*part_, v[0], v[1], v[2]);
   }
 }
 
@@ -117,13 +119,19 @@ bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
 }
 
 bool Inserter::too_close(VertId p, double min_length) {
+  const auto& old = cavity_->old_tets();
+  if (link_.size() < 4 * old.size()) link_.resize(4 * old.size());
   const std::uint32_t stamp = ++part_->vert_stamp;
-  for (const TetId t : cavity_->old_tets()) {
+  std::size_t n = 0;
+  for (const TetId t : old) {
     for (const VertId v : part_->mesh.tet2vert[t]) {
-      if (part_->vert_mark[v] == stamp) continue;
+      link_[n] = v;
+      n += part_->vert_mark[v] != stamp ? 1 : 0;
       part_->vert_mark[v] = stamp;
-      if (part_->is_shorter(p, v, min_length)) return true;
     }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (part_->is_shorter(p, link_[i], min_length)) return true;
   }
   return false;
 }
@@ -142,13 +150,14 @@ bool Inserter::neighbours_too_close(VertId p, double min_length) {
 bool Inserter::keeps_vertices() {
   // Vertices on a face of the border survive; those of walls do, too, as the shell's ring.
   std::size_t inside = 0;
-  link_.clear();
+  if (link_.size() < 3 * border_.size()) link_.resize(3 * border_.size());
+  n_link_ = 0;
   const std::uint32_t stamp = ++part_->vert_stamp;
   for (const BorderFace& f : border_) {
     for (const VertId v : f.v) {
-      if (part_->vert_mark[v] == stamp) continue;
+      link_[n_link_] = v;
+      n_link_ += part_->vert_mark[v] != stamp ? 1 : 0;
       part_->vert_mark[v] = stamp;
-      link_.push_back(v);
     }
   }
   for (const TetId t : cavity_->old_tets()) {
@@ -158,7 +167,7 @@ bool Inserter::keeps_vertices() {
 }
 
 bool Inserter::link_too_close(VertId p, double min_length) {
-  for (const VertId v : link_) {
+  for (const VertId v : link()) {
     const std::uint8_t bits = part_->classify(p, v);
     const bool may_be = (bits & kMayBeShort) != 0 || min_length > part_->options.collapse_below;
     if (may_be && part_->is_shorter(p, v, min_length)) return true;
@@ -185,8 +194,8 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
 }
 
 void Inserter::commit(VertId p) {
-  if (!walled_ && link_.size() <= Cavity::kMaxLink) {
-    cavity_->commit_cone(p, border_, cone_, link_);
+  if (!walled_ && n_link_ <= Cavity::kMaxLink) {
+    cavity_->commit_cone(p, border_, cone_, link());
     return;
   }
   for (std::size_t i = 0; i < border_.size(); ++i) {

@@ -1,5 +1,6 @@
 // Insertion of points as Delaunay cavities in the metric.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "kernel/cavity.hpp"
@@ -36,20 +37,29 @@ class Inserter {
   /// The same for the vertices behind the cavity's faces: where elements are bad, a near vertex need not be in the
   /// cavity.
   [[nodiscard]] bool neighbours_too_close(VertId p, double min_length);
-  /// No vertex lies inside the cavity; link_ is then what the new point gets edges to.
+  /// No vertex lies inside the cavity; link() is then what the new point gets edges to.
   [[nodiscard]] bool keeps_vertices();
   /// Classifies the new edges (Part::edge_class).
   [[nodiscard]] bool link_too_close(VertId p, double min_length);
   void commit(VertId p);
+  /// Of a tagged face: it is to be cut in two by the point on the edge.
   [[nodiscard]] bool is_split_face(FaceId f) const noexcept;
-  [[nodiscard]] bool is_inner(FaceId f) const noexcept;
+  [[nodiscard]] std::span<const VertId> link() const noexcept { return {link_.data(), n_link_}; }
 
   Part* part_;
   Cavity* cavity_;
   Cone cone_;
+  Spheres spheres_;
   Shell shell_;
+  // Scratch; what is larger than it was ever needed stays as it is.
+  std::vector<TetId> around_;
+  struct Outer {
+    std::uint32_t old, side;
+  };
+  std::vector<Outer> outer_;
   std::vector<BorderFace> border_;
   std::vector<VertId> link_;
+  std::size_t n_link_ = 0;
   bool on_edge_ = false;
   bool walled_ = false;  ///< a tagged face of the shell lies in the cavity
 };
