@@ -15,6 +15,30 @@ namespace {
 constexpr std::uint8_t kWasFrozen = 64;  ///< scratch bit of vert_flags: frozen before the cut
 constexpr double kIdle = 0.01;           ///< work in a tetrahedron that is not active
 
+/// Faces to other ranks count as hull while this lives: the partitioner would look for what is behind them.
+class WithoutOthers {
+ public:
+  explicit WithoutOthers(TetMesh& m) : m_(m) {
+    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+      for (std::size_t f = 0; f < 4; ++f) {
+        if (m.tet2face[t][f] == kNoFace && !is_hull(m.face_tag[t][f]))
+          faces_.push_back(make_face(t, static_cast<int>(f)));
+      }
+    }
+    flip();
+  }
+  WithoutOthers(const WithoutOthers&) = delete;
+  WithoutOthers& operator=(const WithoutOthers&) = delete;
+  ~WithoutOthers() { flip(); }
+
+ private:
+  void flip() noexcept {
+    for (const FaceId f : faces_) m_.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))] ^= kHullFace;
+  }
+  TetMesh& m_;
+  std::vector<FaceId> faces_;
+};
+
 }  // namespace
 
 std::vector<std::int32_t> face_costs(const TetMesh& m, const MetricField& metric) {
@@ -57,7 +81,10 @@ BlockLabels cut_blocks(TetMesh& m, const MetricField& metric, int blocks) {
   }
   MultilevelOptions options;
   options.face_weight = cost;
-  const auto part = multilevel_partition(Comm::self(), alone, work, blocks, options);
+  const auto part = [&] {
+    const WithoutOthers guard(alone.mesh);
+    return multilevel_partition(Comm::self(), alone, work, blocks, options);
+  }();
   m = std::move(alone.mesh);
   BlockLabels label(m.tet_slots());
   for (const TetId t : IdRange<TetId>(m.tet_slots())) label[t] = num(part[t]);

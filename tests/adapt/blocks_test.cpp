@@ -126,6 +126,24 @@ TEST_P(Blocks, WithRefinedInterfacesTheyFitTogether) {
   }
 }
 
+TEST_P(Blocks, AreCutFromARanksMesh) {
+  Whole w = whole(0);
+  for (const TetId t : IdRange<TetId>(w.mesh.tet_slots())) {  // its side of y = 0 lies between ranks
+    for (int f = 0; f < 4; ++f) {
+      const auto v = face_verts(w.mesh, make_face(t, f));
+      const bool between = std::all_of(v.begin(), v.end(), [&](VertId i) { return w.mesh.has(i, kFrozen); });
+      if (between) w.mesh.face_tag[t][static_cast<std::size_t>(f)] = 0;
+    }
+  }
+  const auto open = interface_faces(w.mesh);
+  ASSERT_FALSE(open.empty());
+  const Items before = content(w.mesh, w.metric);
+  const auto label = cut_blocks(w.mesh, w.metric, GetParam());
+  EXPECT_EQ(label.size(), w.mesh.tet_slots());
+  EXPECT_EQ(content(w.mesh, w.metric), before);
+  EXPECT_EQ(interface_faces(w.mesh), open);
+}
+
 TEST_P(Blocks, HaveEqualWork) {
   const int blocks = GetParam();
   Whole w = whole(1, false);
