@@ -11,40 +11,13 @@ constexpr double kOrientBound = 6 * 8.0e-16;
 
 }  // namespace
 
-void Cone::add(const Part& p, VertId a, VertId b, VertId c) {
-  const std::size_t k = size_ / kLanes, l = size_ % kLanes;
-  if (k == blocks_.size()) {
-    blocks_.emplace_back();
-    q3_.emplace_back();
-  }
-  Block& block = blocks_[k];
-  const auto put = [l](std::array<Lanes, 3>& to, Vec3 x) { to[0][l] = x.x, to[1][l] = x.y, to[2][l] = x.z; };
-  put(block.a, p.x(a));
-  put(block.b, p.x(b));
-  put(block.c, p.x(c));
-  const VertMetric &ma = p.metric.at[a], &mb = p.metric.at[b], &mc = p.metric.at[c];
-  const VertMetric& ab = ma.sqrt_det >= mb.sqrt_det ? ma : mb;
-  const VertMetric& m = ab.sqrt_det >= mc.sqrt_det ? ab : mc;
-  block.m[0][l] = m.m.xx, block.m[1][l] = m.m.xy, block.m[2][l] = m.m.yy;
-  block.m[3][l] = m.m.xz, block.m[4][l] = m.m.yz, block.m[5][l] = m.m.zz;
-  block.sqrt_det[l] = m.sqrt_det;
-  ++size_;
-}
-
-void Cone::pad() noexcept {
-  const std::size_t used = size_ % kLanes;
-  if (used == 0) return;
-  Block& block = blocks_[size_ / kLanes];
-  const auto fill = [used](Lanes& x) {
-    std::fill(x.begin() + static_cast<std::ptrdiff_t>(used), x.end(), x[used - 1]);
-  };
-  for (std::size_t i = 0; i < 3; ++i) fill(block.a[i]), fill(block.b[i]), fill(block.c[i]);
-  for (auto& m : block.m) fill(m);
-  fill(block.sqrt_det);
+void Cone::grow() {
+  blocks_.emplace_back();
+  q3_.emplace_back();
+  room_ += kLanes;
 }
 
 double Cone::judge(Vec3 x, const VertMetric& m) {
-  pad();
   Lanes low;
   low.fill(1);
   constexpr double kScale = 36.0 * 36.0 * 36.0 / 3.0;
@@ -53,17 +26,17 @@ double Cone::judge(Vec3 x, const VertMetric& m) {
     Lanes& q3 = q3_[k];
 #pragma GCC ivdep
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const Vec3 a{f.a[0][l] - x.x, f.a[1][l] - x.y, f.a[2][l] - x.z};
-      const Vec3 b{f.b[0][l] - x.x, f.b[1][l] - x.y, f.b[2][l] - x.z};
-      const Vec3 c{f.c[0][l] - x.x, f.c[1][l] - x.y, f.c[2][l] - x.z};
+      const Vec3 a = f.minus(kA, l, x);
+      const Vec3 b = f.minus(kB, l, x);
+      const Vec3 c = f.minus(kC, l, x);
       const double det = dot(cross(a, b), c);
       const double mx = std::max(std::max(std::abs(a.x), std::abs(b.x)), std::abs(c.x));
       const double my = std::max(std::max(std::abs(a.y), std::abs(b.y)), std::abs(c.y));
       const double mz = std::max(std::max(std::abs(a.z), std::abs(b.z)), std::abs(c.z));
-      const bool face = f.sqrt_det[l] > m.sqrt_det;
-      const SymTensor t{face ? f.m[0][l] : m.m.xx, face ? f.m[1][l] : m.m.xy, face ? f.m[2][l] : m.m.yy,
-                        face ? f.m[3][l] : m.m.xz, face ? f.m[4][l] : m.m.yz, face ? f.m[5][l] : m.m.zz};
-      const double v = det * (1.0 / 6) * (face ? f.sqrt_det[l] : m.sqrt_det);
+      const bool face = f.row[kSqrtDet][l] > m.sqrt_det;
+      const SymTensor t{face ? f.row[kMetric][l] : m.m.xx, face ? f.row[kMetric + 1][l] : m.m.xy, face ? f.row[kMetric + 2][l] : m.m.yy,
+                        face ? f.row[kMetric + 3][l] : m.m.xz, face ? f.row[kMetric + 4][l] : m.m.yz, face ? f.row[kMetric + 5][l] : m.m.zz};
+      const double v = det * (1.0 / 6) * (face ? f.row[kSqrtDet][l] : m.sqrt_det);
       const double s = 4 * (quad(t, a) + quad(t, b) + quad(t, c)) - quad(t, a + b + c);
       const double q = kScale * v * v / (s * s * s);
       q3[l] = det > kOrientBound * (mx * my * mz) ? q : 0.0;
@@ -80,7 +53,6 @@ double Cone::sum_of_inverses() const noexcept {
 }
 
 Cone::Newton Cone::newton(Vec3 x, const SymTensor& m) {
-  pad();
   // With s the sum of the squared edge lengths and v the volume, F = s^3/v^2. Log-derivatives: of s the gradient is
   // -2 M (xa + xb + xc)/s and the Hessian 6 M/s, of v the gradient is minus the face's normal.
   std::array<Lanes, 12> sum{};
@@ -91,9 +63,9 @@ Cone::Newton Cone::newton(Vec3 x, const SymTensor& m) {
     const std::size_t used = std::min(kLanes, size_ - k * kLanes);
 #pragma GCC ivdep
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const Vec3 a{f.a[0][l] - x.x, f.a[1][l] - x.y, f.a[2][l] - x.z};
-      const Vec3 b{f.b[0][l] - x.x, f.b[1][l] - x.y, f.b[2][l] - x.z};
-      const Vec3 c{f.c[0][l] - x.x, f.c[1][l] - x.y, f.c[2][l] - x.z};
+      const Vec3 a = f.minus(kA, l, x);
+      const Vec3 b = f.minus(kB, l, x);
+      const Vec3 c = f.minus(kC, l, x);
       const Vec3 ab = cross(a, b), n = cross(b, c) + cross(c, a) + ab;
       const double v = dot(ab, c);
       const Vec3 w = a + b + c, mw = mul(m, w);
@@ -128,7 +100,6 @@ Cone::Newton Cone::newton(Vec3 x, const SymTensor& m) {
 }
 
 Cone::Place Cone::locate(Vec3 x, Vec3 step) {
-  pad();
   Place best;
   double highest = -1e300;
   for (std::size_t k = 0; k < block_count(); ++k) {
@@ -137,9 +108,9 @@ Cone::Place Cone::locate(Vec3 x, Vec3 step) {
     Lanes low;
 #pragma GCC ivdep
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const Vec3 a{f.a[0][l] - x.x, f.a[1][l] - x.y, f.a[2][l] - x.z};
-      const Vec3 b{f.b[0][l] - x.x, f.b[1][l] - x.y, f.b[2][l] - x.z};
-      const Vec3 c{f.c[0][l] - x.x, f.c[1][l] - x.y, f.c[2][l] - x.z};
+      const Vec3 a = f.minus(kA, l, x);
+      const Vec3 b = f.minus(kB, l, x);
+      const Vec3 c = f.minus(kC, l, x);
       const Vec3 bc = cross(b, c);
       const double r = 1 / dot(a, bc);
       w[0][l] = r * dot(step, bc);
@@ -156,15 +127,9 @@ Cone::Place Cone::locate(Vec3 x, Vec3 step) {
   return best;
 }
 
-void Spheres::add(const Part& p, const std::array<VertId, 4>& verts) {
-  const std::size_t k = size_ / kLanes, l = size_ % kLanes;
-  if (k == blocks_.size()) blocks_.emplace_back();
-  auto& to = blocks_[k].x;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 x = p.x(verts[i]);
-    to[i][0][l] = x.x, to[i][1][l] = x.y, to[i][2][l] = x.z;
-  }
-  ++size_;
+void Spheres::grow() {
+  blocks_.emplace_back();
+  room_ += kLanes;
 }
 
 void Spheres::test(Vec3 x, const SymTensor& m) {

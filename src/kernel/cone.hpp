@@ -14,7 +14,23 @@ class Cone {
  public:
   void clear() noexcept { size_ = 0; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
-  void add(const Part& part, VertId a, VertId b, VertId c);
+  void add(const Part& part, VertId a, VertId b, VertId c) {
+    const std::size_t l = size_ % kLanes;
+    if (size_ == room_) grow();
+    Block& block = blocks_[size_ / kLanes];
+    ++size_;
+    const Vec3 xa = part.x(a), xb = part.x(b), xc = part.x(c);
+    const VertMetric &ma = part.metric.at[a], &mb = part.metric.at[b], &mc = part.metric.at[c];
+    const VertMetric& ab = ma.sqrt_det >= mb.sqrt_det ? ma : mb;
+    const VertMetric& m = ab.sqrt_det >= mc.sqrt_det ? ab : mc;
+    const std::array<double, kRows> row{xa.x,   xa.y,   xa.z,   xb.x,   xb.y,   xb.z,   xc.x,   xc.y,
+                                        xc.z,   m.m.xx, m.m.xy, m.m.yy, m.m.xz, m.m.yz, m.m.zz, m.sqrt_det};
+    if (l == 0) {  // in all lanes, so that those which stay empty hold a face, too
+      for (std::size_t i = 0; i < kRows; ++i) block.row[i].fill(row[i]);
+    } else {
+      for (std::size_t i = 0; i < kRows; ++i) block.row[i][l] = row[i];
+    }
+  }
 
   /// Q^3 of every tetrahedron (x, a, b, c), to be read by q3(i); returns the smallest. 0 where the tetrahedron is not
   /// certainly positive: its volume is within the rounding error of the orientation test.
@@ -43,16 +59,19 @@ class Cone {
  private:
   static constexpr std::size_t kLanes = 8;
   using Lanes = std::array<double, kLanes>;
+  /// The coordinates of a, b, c, and of their metrics the one of largest determinant.
+  enum Row : std::size_t { kA = 0, kB = 3, kC = 6, kMetric = 9, kSqrtDet = 15, kRows = 16 };
   struct alignas(64) Block {
-    std::array<Lanes, 3> a, b, c;
-    std::array<Lanes, 6> m;  ///< the metric of largest determinant among a, b, c
-    Lanes sqrt_det;
+    std::array<Lanes, kRows> row;
+    [[nodiscard]] Vec3 minus(Row at, std::size_t l, Vec3 x) const noexcept {
+      return {row[at][l] - x.x, row[at + 1][l] - x.y, row[at + 2][l] - x.z};
+    }
   };
   [[nodiscard]] std::size_t block_count() const noexcept { return (size_ + kLanes - 1) / kLanes; }
-  /// Fills the last block's empty lanes with its last face.
-  void pad() noexcept;
+  /// Makes room for more faces.
+  void grow();
 
-  std::size_t size_ = 0;
+  std::size_t size_ = 0, room_ = 0;
   std::vector<Block> blocks_;
   std::vector<Lanes> q3_;
 };
@@ -62,7 +81,16 @@ class Spheres {
  public:
   void clear() noexcept { size_ = 0; }
   /// A positively oriented tetrahedron.
-  void add(const Part& part, const std::array<VertId, 4>& verts);
+  void add(const Part& part, const std::array<VertId, 4>& verts) {
+    if (size_ == room_) grow();
+    auto& to = blocks_[size_ / kLanes].x;
+    const std::size_t l = size_ % kLanes;
+    ++size_;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec3 x = part.x(verts[i]);
+      to[i][0][l] = x.x, to[i][1][l] = x.y, to[i][2][l] = x.z;
+    }
+  }
   void test(Vec3 x, const SymTensor& m);
   /// Of the i-th tetrahedron added. @pre test has been called since.
   [[nodiscard]] bool contain(std::size_t i) const noexcept { return blocks_[i / kLanes].inside[i % kLanes] > 0; }
@@ -74,7 +102,8 @@ class Spheres {
     std::array<std::array<Lanes, 3>, 4> x{};  ///< of the four vertices
     Lanes inside{};                          ///< positive when the point lies inside
   };
-  std::size_t size_ = 0;
+  void grow();
+  std::size_t size_ = 0, room_ = 0;
   std::vector<Block> blocks_;
 };
 

@@ -135,15 +135,23 @@ bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
 
 void Smoother::mark_changed(VertId v) {
   Part& p = *part_;
-  std::uint8_t any = 0;
+  if (link_.size() < 4 * ball_.size()) link_.resize(4 * ball_.size());
   const std::uint32_t stamp = ++p.vert_stamp;
+  p.vert_mark[v] = stamp;
+  p.edge_class[v] = 0;
+  std::size_t n = 0;
   for (const TetId t : ball_) {
     for (const VertId w : p.mesh.tet2vert[t]) {
-      if (p.vert_mark[w] == stamp) continue;
+      link_[n] = w;
+      n += p.vert_mark[w] != stamp ? 1 : 0;
       p.vert_mark[w] = stamp;
-      p.edge_class[w] = w == v ? 0 : p.classify(v, w);
-      any |= p.edge_class[w];
     }
+  }
+  unsigned any = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint8_t bits = p.classify(v, link_[i]);
+    p.edge_class[link_[i]] = bits;
+    any |= bits;
   }
   for (std::size_t i = 0; i < ball_.size(); ++i) {
     const TetId t = ball_[i];
@@ -151,11 +159,10 @@ void Smoother::mark_changed(VertId v) {
     p.dirty[t] = kAllPasses;
     const auto& tv = p.mesh.tet2vert[t];
     const auto& edge_of = kEdgeOf[static_cast<std::size_t>(local_index(tv, v))];
-    p.edges[t].keep(~(1U << edge_of[0] | 1U << edge_of[1] | 1U << edge_of[2] | 1U << edge_of[3]));
-    if (any == 0) continue;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (tv[k] != v) p.edges[t].add(edge_of[k], p.edge_class[tv[k]]);
-    }
+    EdgeBits edges = p.edges[t];
+    edges.keep(~(1U << edge_of[0] | 1U << edge_of[1] | 1U << edge_of[2] | 1U << edge_of[3]));
+    for (std::size_t k = 0; any != 0 && k < 4; ++k) edges.add(edge_of[k], p.edge_class[tv[k]]);
+    p.edges[t] = edges;
   }
 }
 
