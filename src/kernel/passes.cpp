@@ -30,6 +30,7 @@ constexpr std::int64_t kSettled = 20;
 constexpr int kMostTurns = 5;
 /// A mesh that has grown by this factor is put in order again, if it is larger than the caches.
 constexpr std::size_t kGrowth = 4, kSmallMesh = 100'000;
+constexpr std::size_t kAhead = 4;  ///< moves between asking for data and using them
 constexpr int kHuntTurns = 8, kHuntTries = 3;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
@@ -289,7 +290,10 @@ std::int64_t Passes::smooth_below(double quality) {
     }
   });
   if (kIndexShare * to_move_.size() > part_.mesh.vert_slots()) smooth_.index_balls();
-  for (const VertId v : to_move_) smooth_.move(v);
+  for (std::size_t i = 0; i < to_move_.size(); ++i) {
+    smooth_.fetch(to_move_[std::min(i + kAhead, to_move_.size() - 1)]);
+    smooth_.move(to_move_[i]);
+  }
   smooth_.drop_index();
   return part_.counts.smooth - before;
 }

@@ -202,6 +202,18 @@ void Smoother::index_balls() {
 
 void Smoother::drop_index() noexcept { first_.clear(); }
 
+void Smoother::fetch(VertId v) const noexcept {
+  if (first_.empty()) return;
+  __builtin_prefetch(&part_->mesh.coords[v]);
+  __builtin_prefetch(&part_->metric.at[v]);
+  __builtin_prefetch(&part_->metric.log_at[v]);
+  for (auto i = first_[idx(v)]; i < first_[idx(v) + 1]; ++i) {
+    const TetId t = balls_[static_cast<std::size_t>(i)];
+    __builtin_prefetch(&part_->mesh.tet2vert[t]);
+    __builtin_prefetch(&part_->q3[t]);
+  }
+}
+
 bool Smoother::find_ball(VertId v) {
   ball_.clear();
   if (first_.empty()) return gather_ball(*part_, v, ball_, kMaxBall);

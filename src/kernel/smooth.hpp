@@ -21,6 +21,8 @@ class Smoother {
   /// Makes the balls of all vertices at once, for many moves of a mesh whose topology does not change until drop_index.
   void index_balls();
   void drop_index() noexcept;
+  /// With an index: asks for what move(v) will read, a few moves ahead.
+  void fetch(VertId v) const noexcept;
 
  private:
   /// Where v may move: the whole space, a plane or a line.
