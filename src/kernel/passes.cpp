@@ -30,7 +30,8 @@ constexpr std::int64_t kSettled = 20;
 constexpr int kMostTurns = 5;
 /// A mesh that has grown by this factor is put in order again, if it is larger than the caches.
 constexpr std::size_t kGrowth = 4, kSmallMesh = 100'000;
-constexpr std::size_t kAhead = 4;  ///< moves between asking for data and using them
+constexpr std::size_t kAhead = 2;  ///< moves between asking for data and using them
+constexpr int kTetsAhead = 16;     ///< the same for the tetrahedra of a sweep
 constexpr int kHuntTurns = 8, kHuntTries = 3;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
@@ -79,6 +80,8 @@ class Passes {
   template <class Wanted, class Visit>
   void sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit);
   void order();
+  /// Asks for the tetrahedra round t, which a look at its rings will read.
+  void fetch_neighbours(TetId t) const noexcept;
   bool collapse_in(TetId t, double below, double max_length, double floor_q3);
   /// Points that a unit mesh of the part would have.
   [[nodiscard]] std::int64_t expected_points() const;
@@ -114,12 +117,22 @@ void Passes::sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit) {
     for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
       if ((part_.dirty[t] & pass) == 0) continue;
       part_.dirty[t] = static_cast<std::uint8_t>(part_.dirty[t] & ~pass);
+      const TetId ahead{num(t) + kTetsAhead};
+      if (pass == kSwapPass && idx(ahead) < part_.mesh.tet_slots() && wanted(ahead)) fetch_neighbours(ahead);
       if (!wanted(t) || !part_.mesh.is_live(t) || !part_.active(t)) continue;
       any = true;
       visit(t);
     }
     if (!any) return;
     if (part_.mesh.tet_slots() > kGrowth * std::max(ordered_, kSmallMesh)) order();
+  }
+}
+
+void Passes::fetch_neighbours(TetId t) const noexcept {
+  for (const FaceId f : part_.mesh.tet2face[t]) {
+    const TetId nb = f == kNoFace ? t : face_tet(f);
+    __builtin_prefetch(&part_.mesh.tet2vert[nb]);
+    __builtin_prefetch(&part_.mesh.tet2face[nb]);
   }
 }
 
@@ -291,7 +304,8 @@ std::int64_t Passes::smooth_below(double quality) {
   });
   if (kIndexShare * to_move_.size() > part_.mesh.vert_slots()) smooth_.index_balls();
   for (std::size_t i = 0; i < to_move_.size(); ++i) {
-    smooth_.fetch(to_move_[std::min(i + kAhead, to_move_.size() - 1)]);
+    smooth_.fetch_ball(to_move_[std::min(i + 2 * kAhead, to_move_.size() - 1)]);
+    smooth_.fetch_vertices(to_move_[std::min(i + kAhead, to_move_.size() - 1)]);
     smooth_.move(to_move_[i]);
   }
   smooth_.drop_index();

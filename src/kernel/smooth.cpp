@@ -202,24 +202,34 @@ void Smoother::index_balls() {
 
 void Smoother::drop_index() noexcept { first_.clear(); }
 
-void Smoother::fetch(VertId v) const noexcept {
-  if (first_.empty()) return;
-  __builtin_prefetch(&part_->mesh.coords[v]);
-  __builtin_prefetch(&part_->metric.at[v]);
-  __builtin_prefetch(&part_->metric.log_at[v]);
-  for (auto i = first_[idx(v)]; i < first_[idx(v) + 1]; ++i) {
-    const TetId t = balls_[static_cast<std::size_t>(i)];
+void Smoother::fetch_ball(VertId v) const noexcept {
+  for (const TetId t : indexed_ball(v)) {
     __builtin_prefetch(&part_->mesh.tet2vert[t]);
     __builtin_prefetch(&part_->q3[t]);
   }
 }
 
+void Smoother::fetch_vertices(VertId v) const noexcept {
+  for (const TetId t : indexed_ball(v)) {
+    for (const VertId w : part_->mesh.tet2vert[t]) {
+      __builtin_prefetch(&part_->mesh.coords[w]);
+      __builtin_prefetch(&part_->metric.at[w].sqrt_det);
+    }
+  }
+}
+
+std::span<const TetId> Smoother::indexed_ball(VertId v) const noexcept {
+  if (first_.empty()) return {};
+  const auto begin = first_[idx(v)], end = first_[idx(v) + 1];
+  return {balls_.data() + begin, static_cast<std::size_t>(end - begin)};
+}
+
 bool Smoother::find_ball(VertId v) {
   ball_.clear();
   if (first_.empty()) return gather_ball(*part_, v, ball_, kMaxBall);
-  const auto begin = first_[idx(v)], end = first_[idx(v) + 1];
-  if (static_cast<std::size_t>(end - begin) > kMaxBall) return false;
-  ball_.assign(balls_.begin() + begin, balls_.begin() + end);
+  const auto ball = indexed_ball(v);
+  if (ball.size() > kMaxBall) return false;
+  ball_.assign(ball.begin(), ball.end());
   return true;
 }
 

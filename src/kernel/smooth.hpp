@@ -1,5 +1,6 @@
 // Moving a vertex so that its elements get better.
 #pragma once
+#include <span>
 #include <vector>
 
 #include "kernel/cone.hpp"
@@ -21,8 +22,10 @@ class Smoother {
   /// Makes the balls of all vertices at once, for many moves of a mesh whose topology does not change until drop_index.
   void index_balls();
   void drop_index() noexcept;
-  /// With an index: asks for what move(v) will read, a few moves ahead.
-  void fetch(VertId v) const noexcept;
+  /// With an index: ask for the tetrahedra that move(v) will read, some moves ahead, and, when these are there, for
+  /// their vertices.
+  void fetch_ball(VertId v) const noexcept;
+  void fetch_vertices(VertId v) const noexcept;
 
  private:
   /// Where v may move: the whole space, a plane or a line.
@@ -39,6 +42,7 @@ class Smoother {
   bool attempt(VertId v, Vec3 step, double old_sum, double old_min);
   void mark_changed(VertId v);
   bool find_ball(VertId v);
+  [[nodiscard]] std::span<const TetId> indexed_ball(VertId v) const noexcept;
 
   Part* part_;
   Cone cone_;
