@@ -38,13 +38,18 @@ void Cavity::clear_new() noexcept {
   new_min_ = 1;
 }
 
-bool Cavity::propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3) {
+double Cavity::judge(VertId a, VertId b, VertId c, VertId d) const noexcept {
   const auto& x = part_->mesh.coords;
   const auto& m = part_->metric.at;
-  const double q3 = quality_cubed(x[a], x[b], x[c], x[d], m[a], m[b], m[c], m[d]);
-  if (!(q3 > floor_q3) || orient3d_sign(x[a], x[b], x[c], x[d]) <= 0) return false;
+  if (orient3d_sign(x[a], x[b], x[c], x[d]) <= 0) return 0;
+  return quality_cubed(x[a], x[b], x[c], x[d], m[a], m[b], m[c], m[d]);
+}
+
+bool Cavity::propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3) {
+  const double q3 = judge(a, b, c, d);
+  if (!(q3 > floor_q3) || !(q3 > 0)) return false;
   new_min_ = std::min(new_min_, q3);
-  fresh_.push_back({{a, b, c, d}, ref, static_cast<float>(q3)});
+  accept(a, b, c, d, ref, q3);
   return true;
 }
 
@@ -198,11 +203,12 @@ void Cavity::commit_cone(VertId apex, std::span<const BorderFace> border, const 
     const BorderFace& f = border[i];
     const TetId t = take_slot(i);
     slots_.push_back(t);
-    p.edges[t] = f.edges;
+    EdgeBits edges = f.edges;
     for (std::size_t e = 0; e < 3; ++e) {
-      p.edges[t].add(e, p.edge_class[f.v[e]]);
+      edges.add(e, p.edge_class[f.v[e]]);
       m.vert2tet[f.v[e]] = t;
     }
+    p.edges[t] = edges;
     m.tet2vert[t] = {apex, f.v[0], f.v[1], f.v[2]};
     m.tet2face[t][0] = f.behind;
     m.face_tag[t] = {f.tag, 0, 0, 0};
@@ -228,6 +234,105 @@ void Cavity::commit_cone(VertId apex, std::span<const BorderFace> border, const 
   }
   for (const VertId v : link) p.vert_mark[v] = 0;
   free_rest(border.size());
+}
+
+void Cavity::link_behind(TetId t, std::size_t side, FaceId behind, FaceTag tag) noexcept {
+  TetMesh& m = part_->mesh;
+  m.tet2face[t][side] = behind;
+  m.face_tag[t][side] = tag;
+  if (behind != kNoFace) {
+    m.tet2face[face_tet(behind)][static_cast<std::size_t>(face_side(behind))] = make_face(t, static_cast<int>(side));
+  }
+}
+
+namespace {
+constexpr std::size_t u(int i) noexcept { return static_cast<std::size_t>(i); }
+
+/// What one tetrahedron of a shell leaves: the faces opposite a and b (of the side of b and of a), and the classes of
+/// the edges between its ring vertices and from the first of them to b and a.
+struct Rim {
+  std::array<FaceId, 2> behind;
+  std::array<FaceTag, 2> tag;
+  std::uint8_t along;
+  std::array<std::uint8_t, 2> spoke;
+};
+
+Rim rim_of(const Part& p, const Shell& s, int i) noexcept {
+  const TetId t = s.tet[u(i)];
+  const auto& tv = p.mesh.tet2vert[t];
+  const int a = local_index(tv, s.a), b = local_index(tv, s.b), c = local_index(tv, s.ring[u(i)]), d = 6 - a - b - c;
+  const auto& face = p.mesh.tet2face[t];
+  const auto& tag = p.mesh.face_tag[t];
+  const EdgeBits e = p.edges[t];
+  return {{face[u(a)], face[u(b)]},
+          {tag[u(a)], tag[u(b)]},
+          e.of(kEdgeOf[u(c)][u(d)]),
+          {e.of(kEdgeOf[u(b)][u(c)]), e.of(kEdgeOf[u(a)][u(c)])}};
+}
+}  // namespace
+
+void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles) {
+  Part& p = *part_;
+  TetMesh& m = p.mesh;
+  std::array<Rim, kMaxRing> rim;
+  for (int i = 0; i < s.n; ++i) rim[u(i)] = rim_of(p, s, i);
+  const std::int32_t ref = m.tet_ref[s.tet[0]];
+  slots_.clear();
+  for (std::size_t i = 0; i < 2 * triangles.size(); ++i) slots_.push_back(take_slot(i));
+
+  /// Of an edge (x, y) inside the polygon, met first from the triangle that it is a short side of.
+  struct Diagonal {
+    std::array<FaceId, 2> face;
+    std::uint8_t edge_class;
+  };
+  std::array<std::array<Diagonal, kMaxRing>, kMaxRing> diagonal;
+  // Joins the two new tetrahedra over (x, y) to what is beyond; `side`: of theirs. Returns the class of the edge.
+  const auto join = [&](const std::array<TetId, 2>& t, int x, int y, const std::array<int, 2>& side, bool is_long) {
+    const bool closes = y - x == s.n - 1;
+    if (y - x == 1 || closes) {
+      const Rim& r = rim[u(closes ? y : x)];
+      for (std::size_t k = 0; k < 2; ++k) link_behind(t[k], u(side[k]), r.behind[k], r.tag[k]);
+      return r.along;
+    }
+    Diagonal& d = diagonal[u(x)][u(y)];
+    if (is_long) {
+      for (std::size_t k = 0; k < 2; ++k) link_behind(t[k], u(side[k]), d.face[k], 0);
+    } else {
+      d.edge_class = p.classify(s.ring[u(x)], s.ring[u(y)]);
+      for (std::size_t k = 0; k < 2; ++k) {
+        d.face[k] = make_face(t[k], side[k]);
+        m.face_tag[t[k]][u(side[k])] = 0;
+      }
+    }
+    return d.edge_class;
+  };
+  for (std::size_t q = 0; q < triangles.size(); ++q) {
+    const auto& [i, k, j, with_b, with_a] = triangles[q];
+    const VertId vi = s.ring[u(i)], vk = s.ring[u(k)], vj = s.ring[u(j)];
+    const std::array<TetId, 2> t{slots_[2 * q], slots_[2 * q + 1]};
+    m.tet2vert[t[0]] = {vi, vk, vj, s.b};
+    m.tet2vert[t[1]] = {vi, vj, vk, s.a};
+    const std::uint8_t kj = join(t, k, j, {0, 0}, false), ij = join(t, i, j, {1, 2}, true),
+                       ik = join(t, i, k, {2, 1}, false);
+    link_behind(t[0], 3, make_face(t[1], 3), 0);
+    m.face_tag[t[1]][3] = 0;
+    const std::array<std::array<std::uint8_t, 6>, 2> classes{
+        {{ik, ij, rim[u(i)].spoke[0], kj, rim[u(k)].spoke[0], rim[u(j)].spoke[0]},
+         {ij, ik, rim[u(i)].spoke[1], kj, rim[u(j)].spoke[1], rim[u(k)].spoke[1]}}};
+    for (std::size_t side = 0; side < 2; ++side) {
+      EdgeBits edges;
+      for (std::size_t e = 0; e < 6; ++e) edges.add(e, classes[side][e]);
+      p.edges[t[side]] = edges;
+      p.q3[t[side]] = static_cast<float>(side == 0 ? with_b : with_a);
+      p.dirty[t[side]] = kAllPasses;
+      p.refused[t[side]] = 0;
+      p.tet_mark[t[side]] = 0;
+      m.tet_ref[t[side]] = ref;
+    }
+    m.vert2tet[vi] = m.vert2tet[vk] = m.vert2tet[vj] = m.vert2tet[s.b] = t[0];
+    m.vert2tet[s.a] = t[1];
+  }
+  free_rest(2 * triangles.size());
 }
 
 void Cavity::free_rest(std::size_t used) {

@@ -8,6 +8,7 @@
 
 #include "kernel/cone.hpp"
 #include "kernel/part.hpp"
+#include "kernel/shell.hpp"
 
 namespace skein {
 
@@ -19,6 +20,12 @@ struct BorderFace {
   std::int32_t ref;
   FaceTag tag;
   EdgeBits edges;  ///< of the face, as they will be in a new tetrahedron (apex, v0, v1, v2)
+};
+
+/// A triangle between the ring vertices i < k < j of a shell, and the Q^3 of its tetrahedra with the ends of the edge.
+struct RingTriangle {
+  int i, k, j;
+  double with_b, with_a;
 };
 
 /// A set of old tetrahedra and the new ones that shall fill the same space. All scratch is reused between operations.
@@ -43,6 +50,8 @@ class Cavity {
 
   /// Forgets the new tetrahedra and walls, keeps the old ones.
   void clear_new() noexcept;
+  /// Q^3 of a tetrahedron; 0 where it is not positive (exact).
+  [[nodiscard]] double judge(VertId a, VertId b, VertId c, VertId d) const noexcept;
   /// Proposes a tetrahedron. False (and nothing proposed) when its quality is not above `floor_q3` or it is not
   /// positive (exact).
   bool propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3);
@@ -66,6 +75,11 @@ class Cavity {
   /// them. @pre link.size() <= kMaxLink.
   void commit_cone(VertId apex, std::span<const BorderFace> border, const Cone& cone, std::span<const VertId> link);
   static constexpr std::size_t kMaxLink = 64;
+  /// The same for the shell of an edge that goes, closed and without tagged faces at the edge: the old tetrahedra, in
+  /// order, are the shell's, the new ones lie on both sides of the triangles. A triangle comes before those beyond its
+  /// edges (i, k) and (k, j). @pre shell.n <= kMaxRing.
+  void commit_ring(const Shell& shell, std::span<const RingTriangle> triangles);
+  static constexpr int kMaxRing = 9;
   /// The tetrahedra that the last commit made.
   [[nodiscard]] const std::vector<TetId>& new_tets() const noexcept { return slots_; }
 
@@ -86,6 +100,7 @@ class Cavity {
   void enter_outer_faces();
   /// The slot of the i-th new tetrahedron: the old ones' first.
   TetId take_slot(std::size_t i);
+  void link_behind(TetId t, std::size_t side, FaceId behind, FaceTag tag) noexcept;
   /// Gives back the old ones' slots from the number `used` on.
   void free_rest(std::size_t used);
   void link(TetId t);

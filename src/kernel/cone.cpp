@@ -34,8 +34,9 @@ double Cone::judge(Vec3 x, const VertMetric& m) {
       const double my = std::max(std::max(std::abs(a.y), std::abs(b.y)), std::abs(c.y));
       const double mz = std::max(std::max(std::abs(a.z), std::abs(b.z)), std::abs(c.z));
       const bool face = f.row[kSqrtDet][l] > m.sqrt_det;
-      const SymTensor t{face ? f.row[kMetric][l] : m.m.xx, face ? f.row[kMetric + 1][l] : m.m.xy, face ? f.row[kMetric + 2][l] : m.m.yy,
-                        face ? f.row[kMetric + 3][l] : m.m.xz, face ? f.row[kMetric + 4][l] : m.m.yz, face ? f.row[kMetric + 5][l] : m.m.zz};
+      const SymTensor t{face ? f.row[kMetric][l] : m.m.xx,     face ? f.row[kMetric + 1][l] : m.m.xy,
+                        face ? f.row[kMetric + 2][l] : m.m.yy, face ? f.row[kMetric + 3][l] : m.m.xz,
+                        face ? f.row[kMetric + 4][l] : m.m.yz, face ? f.row[kMetric + 5][l] : m.m.zz};
       const double v = det * (1.0 / 6) * (face ? f.row[kSqrtDet][l] : m.sqrt_det);
       const double s = 4 * (quad(t, a) + quad(t, b) + quad(t, c)) - quad(t, a + b + c);
       const double q = kScale * v * v / (s * s * s);
@@ -144,7 +145,8 @@ void Spheres::test(Vec3 x, const SymTensor& m) {
       const Vec3 c{pc[0][l] - x.x, pc[1][l] - x.y, pc[2][l] - x.z};
       const Vec3 d{pd[0][l] - x.x, pd[1][l] - x.y, pd[2][l] - x.z};
       const Vec3 cd = cross(c, d), ab = cross(a, b);
-      s.inside[l] = quad(m, a) * dot(b, cd) - quad(m, b) * dot(a, cd) + quad(m, c) * dot(ab, d) - quad(m, d) * dot(ab, c);
+      s.inside[l] =
+          quad(m, a) * dot(b, cd) - quad(m, b) * dot(a, cd) + quad(m, c) * dot(ab, d) - quad(m, d) * dot(ab, c);
     }
   }
 }

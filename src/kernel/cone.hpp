@@ -23,8 +23,8 @@ class Cone {
     const VertMetric &ma = part.metric.at[a], &mb = part.metric.at[b], &mc = part.metric.at[c];
     const VertMetric& ab = ma.sqrt_det >= mb.sqrt_det ? ma : mb;
     const VertMetric& m = ab.sqrt_det >= mc.sqrt_det ? ab : mc;
-    const std::array<double, kRows> row{xa.x,   xa.y,   xa.z,   xb.x,   xb.y,   xb.z,   xc.x,   xc.y,
-                                        xc.z,   m.m.xx, m.m.xy, m.m.yy, m.m.xz, m.m.yz, m.m.zz, m.sqrt_det};
+    const std::array<double, kRows> row{xa.x, xa.y,   xa.z,   xb.x,   xb.y,   xb.z,   xc.x,   xc.y,
+                                        xc.z, m.m.xx, m.m.xy, m.m.yy, m.m.xz, m.m.yz, m.m.zz, m.sqrt_det};
     if (l == 0) {  // in all lanes, so that those which stay empty hold a face, too
       for (std::size_t i = 0; i < kRows; ++i) block.row[i].fill(row[i]);
     } else {
@@ -100,7 +100,7 @@ class Spheres {
   using Lanes = std::array<double, kLanes>;
   struct alignas(64) Block {
     std::array<std::array<Lanes, 3>, 4> x{};  ///< of the four vertices
-    Lanes inside{};                          ///< positive when the point lies inside
+    Lanes inside{};                           ///< positive when the point lies inside
   };
   void grow();
   std::size_t size_ = 0, room_ = 0;

@@ -41,6 +41,10 @@ struct EdgeBits {
     may_be_long = static_cast<std::uint8_t>(may_be_long | (edge_class & kMayBeLong) << e);
     may_be_short = static_cast<std::uint8_t>(may_be_short | (edge_class & kMayBeShort) >> 1 << e);
   }
+  /// The classes of edge e.
+  [[nodiscard]] constexpr std::uint8_t of(std::size_t e) const noexcept {
+    return static_cast<std::uint8_t>((may_be_long >> e & 1) * kMayBeLong | (may_be_short >> e & 1) * kMayBeShort);
+  }
   constexpr void keep(unsigned edges) noexcept {
     may_be_long = static_cast<std::uint8_t>(may_be_long & edges);
     may_be_short = static_cast<std::uint8_t>(may_be_short & edges);

@@ -47,7 +47,7 @@ class Smoother {
   Part* part_;
   Cone cone_;
   std::vector<TetId> ball_;
-  std::vector<VertId> link_;  ///< scratch: the neighbours of a vertex
+  std::vector<VertId> link_;         ///< scratch: the neighbours of a vertex
   std::vector<std::int32_t> first_;  ///< of balls_, per vertex and one more; empty without an index
   std::vector<TetId> balls_;
 };

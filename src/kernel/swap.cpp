@@ -63,13 +63,27 @@ double Swapper::best_triangulation(int ring) {
   return best_[0][u(ring - 1)];
 }
 
-bool Swapper::propose_polygon(int i, int j) {
+bool Swapper::list_triangles(int i, int j) {
   if (j - i < 2) return true;
   const int k = split_[u(i)][u(j)];
   const VertId p = shell_.ring[u(i)], r = shell_.ring[u(k)], s = shell_.ring[u(j)];
+  const double with_b = cavity_->judge(p, r, s, shell_.b), with_a = cavity_->judge(p, s, r, shell_.a);
+  if (!(with_b > bound_) || !(with_a > bound_)) return false;
+  triangles_.push_back({i, k, j, with_b, with_a});
+  return list_triangles(i, k) && list_triangles(k, j);
+}
+
+void Swapper::swap_with_walls(int ring) {
   const std::int32_t ref = part_->mesh.tet_ref[shell_.tet[0]];
-  return cavity_->propose(p, r, s, shell_.b, ref, bound_) && cavity_->propose(p, s, r, shell_.a, ref, bound_) &&
-         propose_polygon(i, k) && propose_polygon(k, j);
+  for (const RingTriangle& t : triangles_) {
+    const VertId p = shell_.ring[u(t.i)], r = shell_.ring[u(t.k)], s = shell_.ring[u(t.j)];
+    cavity_->accept(p, r, s, shell_.b, ref, t.with_b);
+    cavity_->accept(p, s, r, shell_.a, ref, t.with_a);
+  }
+  const VertId r0 = shell_.ring[0], r1 = shell_.ring[u(ring - 1)];
+  cavity_->wall(r0, r1, shell_.a, shell_.tag[0]);
+  cavity_->wall(r0, r1, shell_.b, shell_.tag[0]);
+  cavity_->commit();
 }
 
 bool Swapper::edge(TetId t, VertId a, VertId b, int max_ring, double gain) {
@@ -87,15 +101,15 @@ bool Swapper::edge(TetId t, VertId a, VertId b, int max_ring, double gain) {
   }
   bound_ = std::max(gain * static_cast<double>(worst), 1e-15);
   if (best_triangulation(ring) <= bound_) return false;
+  triangles_.clear();
+  if (!list_triangles(0, ring - 1)) return false;
   cavity_->clear();
   for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[u(i)]);
-  if (!propose_polygon(0, ring - 1)) return false;
-  if (!shell_.closed) {
-    const VertId r0 = shell_.ring[0], r1 = shell_.ring[u(ring - 1)];
-    cavity_->wall(r0, r1, a, shell_.tag[0]);
-    cavity_->wall(r0, r1, b, shell_.tag[0]);
+  if (shell_.closed) {
+    cavity_->commit_ring(shell_, triangles_);
+  } else {
+    swap_with_walls(ring);
   }
-  cavity_->commit();
   ++part_->counts.swap;
   return true;
 }

@@ -10,7 +10,7 @@ namespace skein {
 /// Swaps that raise the worst quality of the elements they replace.
 class Swapper {
  public:
-  static constexpr int kMaxRing = 9;
+  static constexpr int kMaxRing = Cavity::kMaxRing;
   Swapper(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
 
   /// Removes edge (a, b) of t by the best triangulation of its skew polygon (Klincsek's dynamic programming: the worst
@@ -25,13 +25,18 @@ class Swapper {
  private:
   bool surface_swap_allowed();
   double best_triangulation(int ring);
-  bool propose_polygon(int i, int j);
+  /// Lists the triangles of the polygon between ring vertices i and j; false if one of their tetrahedra is not good
+  /// enough after all.
+  bool list_triangles(int i, int j);
+  /// Makes the swap of a surface edge, with its surface triangles.
+  void swap_with_walls(int ring);
 
   Part* part_;
   Cavity* cavity_;
   Shell shell_;
   std::array<std::array<double, kMaxRing>, kMaxRing> best_;
   std::array<std::array<int, kMaxRing>, kMaxRing> split_;
+  std::vector<RingTriangle> triangles_;
   double bound_ = 0;
 };
 
