@@ -34,10 +34,11 @@ bool Smoother::freedom(VertId v, Freedom& free) {
   Vec3 normal, line;
   VertId ends[2] = {kNoVert, kNoVert};
   bool first = true;
-  for (const TetId t : ball_) {
+  for (const FaceId at : ball_) {
+    const TetId t = face_tet(at);
     for (int f = 0; f < 4; ++f) {
       const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
-      if (tag == 0 || m.tet2vert[t][static_cast<std::size_t>(f)] == v) continue;
+      if (tag == 0 || f == face_side(at)) continue;
       if ((tag & kRequiredFace) != 0) return false;
       const auto k = face_verts(m, make_face(t, f));
       if (ridge) {
@@ -104,8 +105,8 @@ Vec3 Smoother::spring_step(VertId v, const Freedom& free) const {
   const Vec3 x = part_->x(v);
   Vec3 sum;
   double count = 0;
-  for (const TetId t : ball_) {
-    for (const VertId w : m.tet2vert[t]) {  // a neighbour counts once for each tetrahedron round its edge
+  for (const FaceId at : ball_) {
+    for (const VertId w : m.tet2vert[face_tet(at)]) {  // a neighbour counts once for each tetrahedron round its edge
       if (w == v) continue;
       sum += (1 - 1 / std::max(part_->length(v, w), 0.1)) * (part_->x(w) - x);
       count += 1;
@@ -119,8 +120,7 @@ Vec3 Smoother::spring_step(VertId v, const Freedom& free) const {
 
 bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
   const Cone::Place place = cone_.locate(part_->x(v), step);
-  const TetId t = ball_[place.face];
-  const auto k = face_verts(part_->mesh, make_face(t, local_index(part_->mesh.tet2vert[t], v)));
+  const auto k = face_verts(part_->mesh, ball_[place.face]);
   double rest = 1;
   log_m = {};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -140,8 +140,8 @@ void Smoother::mark_changed(VertId v) {
   p.vert_mark[v] = stamp;
   p.edge_class[v] = 0;
   std::size_t n = 0;
-  for (const TetId t : ball_) {
-    for (const VertId w : p.mesh.tet2vert[t]) {
+  for (const FaceId f : ball_) {
+    for (const VertId w : p.mesh.tet2vert[face_tet(f)]) {
       link_[n] = w;
       n += p.vert_mark[w] != stamp ? 1 : 0;
       p.vert_mark[w] = stamp;
@@ -154,11 +154,11 @@ void Smoother::mark_changed(VertId v) {
     any |= bits;
   }
   for (std::size_t i = 0; i < ball_.size(); ++i) {
-    const TetId t = ball_[i];
+    const TetId t = face_tet(ball_[i]);
     p.q3[t] = static_cast<float>(cone_.q3(i));
     p.dirty[t] = kAllPasses;
     const auto& tv = p.mesh.tet2vert[t];
-    const auto& edge_of = kEdgeOf[static_cast<std::size_t>(local_index(tv, v))];
+    const auto& edge_of = kEdgeOf[static_cast<std::size_t>(face_side(ball_[i]))];
     EdgeBits edges = p.edges[t];
     edges.keep(~(1U << edge_of[0] | 1U << edge_of[1] | 1U << edge_of[2] | 1U << edge_of[3]));
     for (std::size_t k = 0; any != 0 && k < 4; ++k) edges.add(edge_of[k], p.edge_class[tv[k]]);
@@ -193,7 +193,9 @@ void Smoother::index_balls() {
   balls_.resize(static_cast<std::size_t>(first_.back()));
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
-    for (const VertId v : m.tet2vert[t]) balls_[static_cast<std::size_t>(first_[idx(v)]++)] = t;
+    for (std::size_t k = 0; k < 4; ++k) {
+      balls_[static_cast<std::size_t>(first_[idx(m.tet2vert[t][k])]++)] = make_face(t, static_cast<int>(k));
+    }
   }
   // Every start has moved to the next one's.
   std::move_backward(first_.begin(), first_.end() - 1, first_.end());
@@ -203,22 +205,22 @@ void Smoother::index_balls() {
 void Smoother::drop_index() noexcept { first_.clear(); }
 
 void Smoother::fetch_ball(VertId v) const noexcept {
-  for (const TetId t : indexed_ball(v)) {
-    __builtin_prefetch(&part_->mesh.tet2vert[t]);
-    __builtin_prefetch(&part_->q3[t]);
+  for (const FaceId f : indexed_ball(v)) {
+    __builtin_prefetch(&part_->mesh.tet2vert[face_tet(f)]);
+    __builtin_prefetch(&part_->q3[face_tet(f)]);
   }
 }
 
 void Smoother::fetch_vertices(VertId v) const noexcept {
-  for (const TetId t : indexed_ball(v)) {
-    for (const VertId w : part_->mesh.tet2vert[t]) {
+  for (const FaceId f : indexed_ball(v)) {
+    for (const VertId w : part_->mesh.tet2vert[face_tet(f)]) {
       __builtin_prefetch(&part_->mesh.coords[w]);
       __builtin_prefetch(&part_->metric.at[w].sqrt_det);
     }
   }
 }
 
-std::span<const TetId> Smoother::indexed_ball(VertId v) const noexcept {
+std::span<const FaceId> Smoother::indexed_ball(VertId v) const noexcept {
   if (first_.empty()) return {};
   const auto begin = first_[idx(v)], end = first_[idx(v) + 1];
   return {balls_.data() + begin, static_cast<std::size_t>(end - begin)};
@@ -226,7 +228,12 @@ std::span<const TetId> Smoother::indexed_ball(VertId v) const noexcept {
 
 bool Smoother::find_ball(VertId v) {
   ball_.clear();
-  if (first_.empty()) return gather_ball(*part_, v, ball_, kMaxBall);
+  if (first_.empty()) {
+    tets_.clear();
+    if (!gather_ball(*part_, v, tets_, kMaxBall)) return false;
+    for (const TetId t : tets_) ball_.push_back(make_face(t, local_index(part_->mesh.tet2vert[t], v)));
+    return true;
+  }
   const auto ball = indexed_ball(v);
   if (ball.size() > kMaxBall) return false;
   ball_.assign(ball.begin(), ball.end());
@@ -240,10 +247,10 @@ bool Smoother::move(VertId v, int tries) {
   if (!freedom(v, free)) return false;
   cone_.clear();
   double sum = 0, low = 1;
-  for (const TetId t : ball_) {
-    const auto k = face_verts(p.mesh, make_face(t, local_index(p.mesh.tet2vert[t], v)));
+  for (const FaceId f : ball_) {
+    const auto k = face_verts(p.mesh, f);
     cone_.add(p, k[0], k[1], k[2]);
-    const double q = p.q3[t];
+    const double q = p.q3[face_tet(f)];
     sum += 1 / std::max(q, 1e-30);
     low = std::min(low, q);
   }

@@ -42,14 +42,15 @@ class Smoother {
   bool attempt(VertId v, Vec3 step, double old_sum, double old_min);
   void mark_changed(VertId v);
   bool find_ball(VertId v);
-  [[nodiscard]] std::span<const TetId> indexed_ball(VertId v) const noexcept;
+  [[nodiscard]] std::span<const FaceId> indexed_ball(VertId v) const noexcept;
 
   Part* part_;
   Cone cone_;
-  std::vector<TetId> ball_;
+  std::vector<FaceId> ball_;         ///< the faces opposite the vertex at hand
+  std::vector<TetId> tets_;          ///< scratch
   std::vector<VertId> link_;         ///< scratch: the neighbours of a vertex
   std::vector<std::int32_t> first_;  ///< of balls_, per vertex and one more; empty without an index
-  std::vector<TetId> balls_;
+  std::vector<FaceId> balls_;
 };
 
 }  // namespace skein
