@@ -32,6 +32,7 @@ constexpr int kMostTurns = 5;
 constexpr std::size_t kGrowth = 4, kSmallMesh = 100'000;
 constexpr std::size_t kAhead = 2;  ///< moves between asking for data and using them
 constexpr int kTetsAhead = 16;     ///< the same for the tetrahedra of a sweep
+constexpr unsigned kFetching = kSwapPass | kInsertPass | kCollapsePass;  ///< sweeps that read the neighbours
 constexpr int kHuntTurns = 8, kHuntTries = 3;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
@@ -127,7 +128,7 @@ void Passes::sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit) {
       if ((part_.dirty[t] & pass) == 0) continue;
       part_.dirty[t] = static_cast<std::uint8_t>(part_.dirty[t] & ~pass);
       const TetId ahead{num(t) + kTetsAhead};
-      if (pass == kSwapPass && idx(ahead) < part_.mesh.tet_slots() && wanted(ahead)) fetch_neighbours(ahead);
+      if ((pass & kFetching) != 0 && idx(ahead) < part_.mesh.tet_slots() && wanted(ahead)) fetch_neighbours(ahead);
       if (!wanted(t) || !part_.mesh.is_live(t) || !part_.active(t)) continue;
       any = true;
       visit(t);
