@@ -62,19 +62,33 @@ std::int64_t highest(const TetMesh& m, TetId t, const std::vector<std::int64_t>&
   return best;
 }
 
+/// Calls visit(t) for the tetrahedra with a vertex that has a label. They are few, so a byte per vertex is asked first.
+template <class Visit>
+void for_each_labelled(const TetMesh& m, const std::vector<std::int64_t>& label, Visit&& visit) {
+  IdVector<VertId, char> has(label.size());
+  for (std::size_t i = 0; i < label.size(); ++i) has[to_id<VertId>(i)] = label[i] != 0 ? 1 : 0;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    const auto& v = m.tet2vert[t];
+    if ((has[v[0]] | has[v[1]] | has[v[2]] | has[v[3]]) != 0) visit(t);
+  }
+}
+
 /// One layer: vertices without a label (0) take the highest of the tetrahedra at them, on all ranks.
 void spread(const DistMesh& dist, const Halo& halo, std::vector<std::int64_t>& label) {
   const TetMesh& m = dist.mesh;
-  std::vector<std::int64_t> next(label);
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+  struct Reached {
+    VertId v;
+    std::int64_t label;
+  };
+  std::vector<Reached> reached;
+  for_each_labelled(m, label, [&](TetId t) {
     const std::int64_t best = highest(m, t, label);
-    if (best == 0) continue;
     for (const VertId v : m.tet2vert[t]) {
-      if (label[idx(v)] == 0) next[idx(v)] = std::max(next[idx(v)], best);
+      if (label[idx(v)] == 0) reached.push_back({v, best});
     }
-  }
-  halo.max(std::span<std::int64_t>(next));
-  label.swap(next);
+  });
+  for (const Reached& r : reached) label[idx(r.v)] = std::max(label[idx(r.v)], r.label);
+  halo.max(std::span<std::int64_t>(label));
 }
 
 }  // namespace
@@ -93,10 +107,7 @@ IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist,
   halo.max(std::span<std::int64_t>(label));
   for (int l = 0; l < layers; ++l) spread(dist, halo, label);
   IdVector<TetId, Rank> dest(m.tet_slots(), comm.rank());
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    const std::int64_t best = highest(m, t, label);
-    if (best != 0) dest[t] = label_rank(best);
-  }
+  for_each_labelled(m, label, [&](TetId t) { dest[t] = label_rank(highest(m, t, label)); });
   return dest;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "mesh/error.hpp"
+#include "mesh/parallel.hpp"
 #include "partition/rendezvous.hpp"
 #include "partition/sharing.hpp"
 
@@ -48,9 +49,10 @@ void check_arrays(const DistMesh& dist, Fault& fault) {
     fault.tell("the arrays of the mesh differ in length");
 }
 
-void check_adjacency(const DistMesh& dist, Fault& fault) {
+/// Of the tetrahedra [first, last).
+void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, Fault& fault) {
   const TetMesh& m = dist.mesh;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+  for (const TetId t : IdRange<TetId>(first, last)) {
     for (std::size_t k = 0; k < 4; ++k) {
       const FaceId f = m.tet2face[t][k], me = make_face(t, static_cast<int>(k));
       if (f == kNoFace) continue;
@@ -59,6 +61,18 @@ void check_adjacency(const DistMesh& dist, Fault& fault) {
       if (is_hull(m.face_tag[t][k]))
         return fault.tell("tetrahedron {}, face {}: a hull face has a neighbour", num(t), k);
     }
+  }
+}
+
+void check_adjacency(const DistMesh& dist, int threads, Fault& fault) {
+  std::vector<Fault> found(static_cast<std::size_t>(threads));
+  const std::size_t n = dist.mesh.tet_slots();
+  in_parallel(threads, [&](int w) {
+    check_adjacency(dist, share_begin(n, w, threads), share_begin(n, w + 1, threads),
+                    found[static_cast<std::size_t>(w)]);
+  });
+  for (const Fault& f : found) {
+    if (!f.line().empty()) fault.tell("{}", f.line());
   }
 }
 
@@ -156,19 +170,41 @@ void check_shared(const Comm& comm, const DistMesh& dist, Fault& fault) {
   }
 }
 
+/// A global id that is there twice; kNoGlobal if there is none.
+GlobalId first_repeated(const IdVector<VertId, GlobalId>& ids) {
+  constexpr std::uint64_t kMostBits = 64;  // per vertex
+  GlobalId low = ids.empty() ? kNoGlobal : *ids.begin(), high = low;
+  for (const GlobalId g : ids) low = std::min(low, g), high = std::max(high, g);
+  const auto place = [&](GlobalId g) {
+    return static_cast<std::uint64_t>(num(g)) - static_cast<std::uint64_t>(num(low));
+  };
+  if (place(high) < kMostBits * ids.size()) {
+    std::vector<bool> seen(place(high) + 1, false);
+    for (const GlobalId g : ids) {
+      auto bit = seen[place(g)];
+      if (bit && g != kNoGlobal) return g;
+      bit = true;
+    }
+    return kNoGlobal;
+  }
+  GidMap seen(ids.size());
+  std::size_t numbered = 0;
+  for (const GlobalId g : ids) {
+    if (g == kNoGlobal) continue;
+    seen.insert(g);
+    if (seen.size() != ++numbered) return g;
+  }
+  return kNoGlobal;
+}
+
 void check_lists(const Comm& comm, const DistMesh& dist, Fault& fault) {
   const Sharing truth = find_sharing(comm, dist.mesh, dist.vert2gid);
   const Sharing& s = dist.sharing;
   if (truth.gid != s.gid || truth.vert != s.vert || truth.offset != s.offset || truth.rank != s.rank)
     fault.tell("the sharing list ({} vertices) does not name the copies that there are ({} vertices)", s.size(),
                truth.size());
-  GidMap seen(dist.vert2gid.size());
-  std::size_t numbered = 0;
-  for (const GlobalId g : dist.vert2gid) {
-    if (g == kNoGlobal) continue;
-    seen.insert(g);
-    if (seen.size() != ++numbered) return fault.tell("vertex {} (global id) is twice on one rank", num(g));
-  }
+  const GlobalId twice = first_repeated(dist.vert2gid);
+  if (twice != kNoGlobal) fault.tell("vertex {} (global id) is twice on one rank", num(twice));
 }
 
 void check_counts(const Comm& comm, const DistMesh& dist, Fault& fault) {
@@ -189,11 +225,11 @@ void agree_on(const Comm& comm, const Fault& fault) {
 
 }  // namespace
 
-void reconcile(const Comm& comm, const DistMesh& dist) {
+void reconcile(const Comm& comm, const DistMesh& dist, int threads) {
   Fault fault;
   check_arrays(dist, fault);
   agree_on(comm, fault);  // what follows relies on it
-  check_adjacency(dist, fault);
+  check_adjacency(dist, threads, fault);
   const auto faces = outer_faces(dist, fault);
   std::vector<Rank> dest(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) dest[i] = meeting_rank(faces[i].gid, comm.size());

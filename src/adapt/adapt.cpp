@@ -14,6 +14,7 @@
 #include "adapt/local.hpp"
 #include "kernel/interface.hpp"
 #include "mesh/adjacency.hpp"
+#include "mesh/parallel.hpp"
 #include "partition/interface.hpp"
 #include "partition/migrate.hpp"
 #include "partition/multilevel.hpp"
@@ -26,13 +27,14 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 8;         ///< elements out of one in a step of growth
-constexpr int kMostSteps = 10;        ///< of growth
-constexpr double kImbalance = 0.03;   ///< to which the numbers of tetrahedra of the result are brought ...
-constexpr double kGoodEnough = 0.04;  ///< ... unless they are this good already
-constexpr int kLayers = 1;            ///< by which interfaces between ranks move
-constexpr int kActiveLayers = 1;      ///< round old interfaces that are worked on again
-constexpr int kMargin = 2;            ///< layers round these that cavities may reach into
+constexpr double kGrowth = 8;            ///< elements out of one in a step of growth
+constexpr int kMostSteps = 10;           ///< of growth
+constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
+constexpr double kImbalance = 0.03;      ///< to which the numbers of tetrahedra of the result are brought ...
+constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good already
+constexpr int kLayers = 1;               ///< by which interfaces between ranks move
+constexpr int kActiveLayers = 1;         ///< round old interfaces that are worked on again
+constexpr int kMargin = 2;               ///< layers round these that cavities may reach into
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
@@ -45,13 +47,16 @@ MetricField metric_from_data(const DistMesh& dist) {
   return f;
 }
 
-void data_from_metric(DistMesh& dist, const MetricField& f) {
+void data_from_metric(DistMesh& dist, const MetricField& f, int threads) {
+  grow_in_parallel(dist.data.values, 6 * f.size(), threads);
   dist.data.values.resize(6 * f.size());
-  for (const VertId v : IdRange<VertId>(f.size())) {
-    const SymTensor& l = f.log_at[v];
-    double* d = dist.data.at(v);
-    d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
-  }
+  in_parallel(threads, [&](int w) {
+    for (const VertId v : IdRange<VertId>(share_begin(f.size(), w, threads), share_begin(f.size(), w + 1, threads))) {
+      const SymTensor& l = f.log_at[v];
+      double* d = dist.data.at(v);
+      d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
+    }
+  });
 }
 
 /// Collective. Refines the interface between ranks where its edges are too long for the metric, on both sides alike;
@@ -72,7 +77,7 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
   agree(comm, [&] {
     dist.mesh = std::move(part.mesh);
     dist.vert2gid = std::move(gid);
-    data_from_metric(dist, part.metric);
+    data_from_metric(dist, part.metric, 1);
   });
   rebuild_sharing(comm, dist);
   // A rank may have the middle of an edge's shell only and not know that a new vertex on it is on the surface.
@@ -84,7 +89,7 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
 OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
   MetricField metric = metric_from_data(dist);
   const LocalResult r = adapt_local(dist.mesh, metric, options);
-  data_from_metric(dist, metric);
+  data_from_metric(dist, metric, options.threads);
   // Only shared vertices keep their numbers; they were frozen.
   IdVector<VertId, GlobalId> gid(dist.mesh.vert_slots(), kNoGlobal);
   for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
@@ -114,6 +119,7 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& 
   });
   MultilevelOptions options;
   options.face_weight = cost;
+  options.imbalance = kWorkImbalance;
   migrate(comm, dist, multilevel_partition(comm, dist, work, parts, options));
   if (parts > 1) refine_rank_interface(comm, dist, local);
 }
@@ -195,6 +201,7 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
     run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log,
                [&] { return adapt_rank(dist, step_options); });
     dist.data = given->at_vertices(dist);
+    for (auto& f : dist.mesh.vert_flags) f |= kActive;  // threads leave it to what they have looked at twice
   }
 }
 
@@ -231,7 +238,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   finish();
   log.start("reconcile");
   for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
-  reconcile(comm, dist);
+  reconcile(comm, dist, options.threads);
   finish();
 }
 

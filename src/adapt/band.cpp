@@ -3,33 +3,72 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <memory>
 
 namespace skein {
 namespace {
 
-/// Per vertex 0, or 1 + its distance in edges from the nearest active vertex, up to `layers`.
-IdVector<VertId, std::uint8_t> near_active(const TetMesh& m, int layers) {
-  IdVector<VertId, std::uint8_t> level(m.vert_slots(), 0);
-  for (const VertId v : IdRange<VertId>(m.vert_slots())) level[v] = m.has(v, kActive) ? 1 : 0;
-  for (int l = 1; l <= layers; ++l) {
-    const auto next = static_cast<std::uint8_t>(l + 1);
-    for (const auto& tv : m.tet2vert) {
-      const auto inside = [&](VertId v) { return level[v] != 0 && level[v] < next; };
-      if (!inside(tv[0]) && !inside(tv[1]) && !inside(tv[2]) && !inside(tv[3])) continue;
-      for (const VertId v : tv) {
-        if (level[v] == 0) level[v] = next;
+/// What lies round some vertices, found from them over faces.
+class Surroundings {
+ public:
+  Surroundings(const TetMesh& m, const std::vector<VertId>& verts)
+      : m_(m), seen_(m.vert_slots(), 0), inside_(m.tet_slots(), 0), verts_(verts) {
+    for (const VertId v : verts_) {
+      seen_[v] = 1;
+      enter(m.vert2tet[v]);
+    }
+  }
+
+  /// All tetrahedra at the vertices so far. The tetrahedra at a vertex hang together over faces; where they do not, on
+  /// the interface between ranks, the vertex is frozen and it does no harm to miss some.
+  void add_tets() {
+    for (; next_tet_ < tets_.size(); ++next_tet_) {
+      for (const FaceId f : m_.tet2face[tets_[next_tet_]]) {
+        if (f == kNoFace || inside_[face_tet(f)] != 0) continue;
+        const auto& v = m_.tet2vert[face_tet(f)];
+        if ((seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(face_tet(f));
       }
     }
   }
-  return level;
-}
+  /// All vertices of the tetrahedra so far.
+  void add_vertices() {
+    const std::size_t begin = newest_tet_;
+    for (newest_tet_ = tets_.size(), next_tet_ = begin; next_tet_ < newest_tet_; ++next_tet_) {
+      for (const VertId v : m_.tet2vert[tets_[next_tet_]]) {
+        if (seen_[v] != 0) continue;
+        seen_[v] = 1;
+        verts_.push_back(v);
+      }
+    }
+    next_tet_ = begin;  // these have the new vertices
+  }
+  [[nodiscard]] const std::vector<VertId>& verts() const noexcept { return verts_; }
+  [[nodiscard]] bool has(VertId v) const noexcept { return seen_[v] != 0; }
+  [[nodiscard]] bool has(TetId t) const noexcept { return inside_[t] != 0; }
+  [[nodiscard]] std::size_t tets() const noexcept { return tets_.size(); }
+
+ private:
+  void enter(TetId t) {
+    if (inside_[t] != 0) return;
+    inside_[t] = 1;
+    tets_.push_back(t);
+  }
+
+  const TetMesh& m_;
+  IdVector<VertId, char> seen_;
+  IdVector<TetId, char> inside_;
+  std::vector<VertId> verts_;
+  std::vector<TetId> tets_;
+  std::size_t next_tet_ = 0, newest_tet_ = 0;  ///< to look round; to take the vertices of
+};
 
 void cut_vertex(const TetMesh& m, const VertexAttributes& data, VertId v, bool inner, Band& band) {
   band.mesh.coords.push_back(m.coords[v]);
   band.mesh.vert_ref.push_back(m.vert_ref[v]);
-  band.mesh.vert_flags.push_back(static_cast<std::uint8_t>(m.vert_flags[v] | (inner ? 0 : kFrozen)));
+  band.mesh.vert_flags.push_back(static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (inner ? 0 : kFrozen)));
   band.mesh.vert2tet.push_back(kNoTet);
-  band.metric.push_back_log(data.log_metric(v));
+  data.append_metric(v, band.metric);
   band.to_rank.push_back(v);
 }
 
@@ -250,9 +289,9 @@ class Return {
 class RankVertices final : public VertexAttributes {
  public:
   explicit RankVertices(DistMesh& dist) : dist_(dist) {}
-  [[nodiscard]] SymTensor log_metric(VertId v) const override {
+  void append_metric(VertId v, MetricField& to) const override {
     const double* d = dist_.data.at(v);
-    return {d[0], d[1], d[2], d[3], d[4], d[5]};
+    to.push_back_log({d[0], d[1], d[2], d[3], d[4], d[5]});
   }
   void reserve(std::size_t n) override {
     dist_.vert2gid.reserve(n);
@@ -281,25 +320,53 @@ class RankVertices final : public VertexAttributes {
 
 }  // namespace
 
-Band cut_band(DistMesh& dist, int layers) { return cut_band(dist.mesh, RankVertices(dist), layers); }
+std::vector<VertId> active_near(const TetMesh& m, const std::vector<VertId>& verts, int layers) {
+  Surroundings near(m, verts);
+  for (int l = 0; l < layers; ++l) {
+    near.add_tets();
+    near.add_vertices();
+  }
+  std::vector<VertId> out;
+  std::copy_if(near.verts().begin(), near.verts().end(), std::back_inserter(out),
+               [&](VertId v) { return m.has(v, kActive); });
+  return out;
+}
+
+Band cut_band(DistMesh& dist, const std::vector<VertId>& active, int layers) {
+  return cut_band(dist.mesh, RankVertices(dist), active, layers);
+}
+
+Band cut_band(DistMesh& dist, int layers) {
+  std::vector<VertId> active;
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    if (dist.mesh.has(v, kActive)) active.push_back(v);
+  }
+  return cut_band(dist, active, layers);
+}
 
 void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new) {
   RankVertices data(dist);
   put_back(dist.mesh, data, band, old2new);
 }
 
-Band cut_band(const TetMesh& m, const VertexAttributes& data, int layers) {
-  const auto level = near_active(m, layers);
+Band cut_band(const TetMesh& m, const VertexAttributes& data, const std::vector<VertId>& active, int layers) {
+  Surroundings near(m, active);
+  for (int l = 0; l < layers; ++l) {
+    near.add_tets();
+    near.add_vertices();
+  }
+  near.add_tets();
   Band band;
-  IdVector<TetId, TetId> tet2band(m.tet_slots(), kNoTet);
+  band.tets.reserve(near.tets());
+  const auto tet2band = std::make_unique_for_overwrite<TetId[]>(m.tet_slots());  // of what is inside
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    const auto& tv = m.tet2vert[t];
-    if ((level[tv[0]] | level[tv[1]] | level[tv[2]] | level[tv[3]]) == 0) continue;
-    tet2band[t] = to_id<TetId>(band.tets.size());
+    if (!near.has(t)) continue;
+    tet2band[idx(t)] = to_id<TetId>(band.tets.size());
     band.tets.push_back(t);
   }
   IdVector<VertId, VertId> vert2band(m.vert_slots(), kNoVert);
   TetMesh& b = band.mesh;
+  b.reserve(2 * near.verts().size(), band.tets.size());
   for (const TetId t : band.tets) {
     std::array<VertId, 4> tv;
     std::array<FaceId, 4> tf;
@@ -308,11 +375,11 @@ Band cut_band(const TetMesh& m, const VertexAttributes& data, int layers) {
       if (vert2band[v] == kNoVert) {
         vert2band[v] = b.coords.end_id();
         // A tetrahedron outside has no vertex near an active one, so whatever it shares with the band is frozen.
-        cut_vertex(m, data, v, level[v] != 0, band);
+        cut_vertex(m, data, v, near.has(v), band);
       }
       tv[k] = vert2band[v];
       const FaceId f = m.tet2face[t][k];
-      const TetId other = f == kNoFace ? kNoTet : tet2band[face_tet(f)];
+      const TetId other = f == kNoFace || !near.has(face_tet(f)) ? kNoTet : tet2band[idx(face_tet(f))];
       if (f != kNoFace && other == kNoTet) band.seam.push_back(f);
       tf[k] = other == kNoTet ? kNoFace : make_face(other, face_side(f));
     }
@@ -323,6 +390,7 @@ Band cut_band(const TetMesh& m, const VertexAttributes& data, int layers) {
     b.tet_ref.push_back(m.tet_ref[t]);
     cut_features(m, t, tv, band);
   }
+  for (const VertId v : active) b.vert_flags[vert2band[v]] |= kActive;
   b.patch_ref = m.patch_ref;
   return band;
 }

@@ -22,7 +22,8 @@ struct Band {
 class VertexAttributes {
  public:
   virtual ~VertexAttributes() = default;
-  [[nodiscard]] virtual SymTensor log_metric(VertId v) const = 0;
+  /// Appends the metric of vertex v.
+  virtual void append_metric(VertId v, MetricField& to) const = 0;
   virtual void reserve(std::size_t n) = 0;
   virtual void resize(std::size_t n) = 0;
   /// Vertex `to` is a new one now, with the metric of vertex `from` of the band.
@@ -33,11 +34,16 @@ class VertexAttributes {
   virtual std::span<VertId> kept() = 0;
 };
 
-/// Cuts out all tetrahedra within `layers` edges of a kActive vertex, in their order. The rank's mesh stays as it is.
-/// The cost is a few looks at each tetrahedron of the rank, and the rest grows with the band only. Not collective.
-/// @pre dist is compact and its data begins with the log-metric.
+/// The kActive vertices within `layers` edges of the given ones.
+std::vector<VertId> active_near(const TetMesh& mesh, const std::vector<VertId>& verts, int layers);
+
+/// Cuts out all tetrahedra within `layers` edges of the active vertices, in their order; there, only these are kActive.
+/// The rank's mesh stays as it is. The cost grows with the band, but for a byte per tetrahedron and four per vertex.
+/// Not collective. @pre the mesh is compact, and its data begins with the log-metric.
+Band cut_band(DistMesh& dist, const std::vector<VertId>& active, int layers);
+Band cut_band(const TetMesh& mesh, const VertexAttributes& data, const std::vector<VertId>& active, int layers);
+/// The same round all kActive vertices of the rank's mesh.
 Band cut_band(DistMesh& dist, int layers);
-Band cut_band(const TetMesh& mesh, const VertexAttributes& data, int layers);
 
 /// Puts an adapted band in the place of the one that was cut. `old2new` follows the band's vertices that were frozen
 /// (adapt_local). Vertices of the rest and frozen ones keep their global ids, all others get kNoGlobal. The result is

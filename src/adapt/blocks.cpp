@@ -1,9 +1,8 @@
-// Blocks: labels, cutting and joining.
+// Blocks: labels and cutting.
 #include "adapt/blocks.hpp"
 
 #include <algorithm>
 #include <array>
-#include <unordered_map>
 
 #include "kernel/interface.hpp"
 #include "partition/multilevel.hpp"
@@ -12,8 +11,8 @@
 namespace skein {
 namespace {
 
-constexpr std::uint8_t kWasFrozen = 64;  ///< scratch bit of vert_flags: frozen before the cut
-constexpr double kIdle = 0.01;           ///< work in a tetrahedron that is not active
+constexpr double kImbalance = 0.01;  ///< of the blocks' predicted work
+constexpr double kIdle = 0.01;       ///< work in a tetrahedron that is not active
 
 /// Faces to other ranks count as hull while this lives: the partitioner would look for what is behind them.
 class WithoutOthers {
@@ -81,6 +80,7 @@ BlockLabels cut_blocks(TetMesh& m, const MetricField& metric, int blocks) {
   }
   MultilevelOptions options;
   options.face_weight = cost;
+  options.imbalance = kImbalance;
   const auto part = [&] {
     const WithoutOthers guard(alone.mesh);
     return multilevel_partition(Comm::self(), alone, work, blocks, options);
@@ -101,21 +101,6 @@ IdVector<VertId, char> between_blocks(const TetMesh& m, const BlockLabels& label
     }
   }
   return between;
-}
-
-void keep_active_near_blocks(TetMesh& m, const BlockLabels& label, int layers) {
-  auto near = between_blocks(m, label);
-  for (int layer = 0; layer < layers; ++layer) {
-    const auto before = near;
-    for (const auto& tv : m.tet2vert) {
-      const bool touched = before[tv[0]] != 0 || before[tv[1]] != 0 || before[tv[2]] != 0 || before[tv[3]] != 0;
-      if (!touched) continue;
-      for (const VertId v : tv) near[v] = 1;
-    }
-  }
-  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    if (near[v] == 0) m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~kActive);
-  }
 }
 
 namespace {
@@ -203,140 +188,5 @@ bool refine_block_interface(Block& block) {
   for (std::size_t i = before; i < block.part.mesh.vert_slots(); ++i) block.common.push_back(to_id<VertId>(i));
   return true;
 }
-
-void renumber_common(Block& block, const IdVector<VertId, VertId>& old2new) {
-  block.common_id.clear();
-  for (VertId& v : block.common) {
-    block.common_id.push_back(block.id[v]);
-    v = old2new[v];
-  }
-  for (VertId& v : block.frozen) v = old2new[v];
-  block.id = {};
-}
-
-namespace {
-
-/// Joins what the blocks have in common; numbers the rest behind one another.
-class Joiner {
- public:
-  Joiner(std::vector<Block>& blocks, std::size_t old_verts) : blocks_(blocks) {
-    out_.old2new.assign(old_verts, kNoVert);
-    std::size_t tets = 0, verts = 0;
-    for (const Block& b : blocks) {
-      tets += b.part.mesh.tet_slots() - b.part.free_tets.size();
-      verts += b.part.mesh.vert_slots();
-    }
-    out_.mesh.reserve(verts, tets);
-    out_.metric.reserve(verts);
-  }
-
-  Merged run() {
-    out_.mesh.patch_ref = blocks_.front().part.mesh.patch_ref;
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      add_vertices(blocks_[b]);
-      add_tets(blocks_[b], static_cast<int>(b));
-      for (const FeatureEdge& e : blocks_[b].part.mesh.features.list()) {
-        out_.mesh.features.insert(new_of_[e.a], new_of_[e.b], e.ref, e.ridge);
-      }
-      blocks_[b] = Block{};
-    }
-    match_faces();
-    return std::move(out_);
-  }
-
- private:
-  void add_vertices(const Block& block) {
-    const TetMesh& m = block.part.mesh;
-    new_of_.assign(m.vert_slots(), kNoVert);
-    for (std::size_t i = 0; i < block.common.size(); ++i) {
-      const VertId v = block.common[i];
-      VertId& merged = by_id_.try_emplace(num(block.common_id[i]), kNoVert).first->second;
-      if (merged == kNoVert) {
-        std::uint8_t flags = m.vert_flags[v];
-        if ((flags & kWasFrozen) == 0) flags = static_cast<std::uint8_t>(flags & ~kFrozen);
-        merged = append(block.part, v, static_cast<std::uint8_t>(flags & ~kWasFrozen));
-      } else {
-        // A block may have the middle of an edge's shell only and not know that a new vertex on it is on the surface.
-        out_.mesh.vert_flags[merged] |= static_cast<std::uint8_t>(m.vert_flags[v] & ~(kWasFrozen | kFrozen));
-      }
-      new_of_[v] = merged;
-    }
-    for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-      if (m.is_live(v) && new_of_[v] == kNoVert) {
-        new_of_[v] = append(block.part, v, static_cast<std::uint8_t>(m.vert_flags[v] & ~kWasFrozen));
-      }
-    }
-    for (std::size_t i = 0; i < block.frozen.size(); ++i) out_.old2new[block.frozen_of[i]] = new_of_[block.frozen[i]];
-  }
-
-  VertId append(const Part& p, VertId v, std::uint8_t flags) {
-    out_.mesh.vert_ref.push_back(p.mesh.vert_ref[v]);
-    out_.mesh.vert_flags.push_back(flags);
-    out_.mesh.vert2tet.push_back(kNoTet);
-    out_.metric.at.push_back(p.metric.at[v]);
-    out_.metric.log_at.push_back(p.metric.log_at[v]);
-    return out_.mesh.coords.push_back(p.mesh.coords[v]);
-  }
-
-  void add_tets(const Block& block, int b) {
-    const TetMesh& m = block.part.mesh;
-    IdVector<TetId, TetId> tet2new(m.tet_slots(), kNoTet);
-    std::size_t next = out_.mesh.tet_slots();
-    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-      if (m.is_live(t)) tet2new[t] = to_id<TetId>(next++);
-    }
-    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-      if (!m.is_live(t)) continue;
-      auto tv = m.tet2vert[t];
-      auto tf = m.tet2face[t];
-      for (std::size_t i = 0; i < 4; ++i) {
-        tv[i] = new_of_[tv[i]];
-        out_.mesh.vert2tet[tv[i]] = tet2new[t];
-        if (tf[i] != kNoFace) {
-          tf[i] = make_face(tet2new[face_tet(tf[i])], face_side(tf[i]));
-        } else if (!is_hull(m.face_tag[t][i])) {
-          open_.push_back(make_face(tet2new[t], static_cast<int>(i)));
-        }
-      }
-      out_.mesh.tet2vert.push_back(tv);
-      out_.mesh.tet2face.push_back(tf);
-      out_.mesh.face_tag.push_back(m.face_tag[t]);
-      out_.mesh.tet_ref.push_back(m.tet_ref[t]);
-      out_.label.push_back(b);
-    }
-  }
-
-  void match_faces() {
-    struct Key {
-      std::array<VertId, 3> v;
-      FaceId f;
-      bool operator<(const Key& o) const noexcept { return v != o.v ? v < o.v : f < o.f; }
-    };
-    std::vector<Key> keys;
-    keys.reserve(open_.size());
-    for (const FaceId f : open_) {
-      auto v = face_verts(out_.mesh, f);
-      std::sort(v.begin(), v.end());
-      keys.push_back({v, f});
-    }
-    std::sort(keys.begin(), keys.end());
-    for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
-      if (keys[i].v != keys[i + 1].v) continue;
-      const FaceId f = keys[i].f, g = keys[i + 1].f;
-      out_.mesh.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g;
-      out_.mesh.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
-    }
-  }
-
-  std::vector<Block>& blocks_;
-  Merged out_;
-  IdVector<VertId, VertId> new_of_;
-  std::unordered_map<std::int64_t, VertId> by_id_;  ///< common vertices that are there already
-  std::vector<FaceId> open_;
-};
-
-}  // namespace
-
-Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts) { return Joiner(blocks, old_verts).run(); }
 
 }  // namespace skein

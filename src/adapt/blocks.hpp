@@ -21,17 +21,16 @@ BlockLabels cut_blocks(TetMesh& mesh, const MetricField& metric, int blocks);
 /// Vertices with tetrahedra of several blocks: true.
 IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);
 
-/// Keeps kActive only within `layers` edges of vertices between blocks.
-void keep_active_near_blocks(TetMesh& mesh, const BlockLabels& label, int layers);
+inline constexpr std::uint8_t kWasFrozen = 64;  ///< scratch bit of a block's vert_flags: frozen before the cut
 
 /// One part with what leads back to the mesh it was cut from.
 struct Block {
   Part part;
   /// Per vertex of the part as it was cut: its number in the whole mesh; for a new one on the interface between blocks
-  /// a hashed id (refine_interface). Empty after renumber_common.
+  /// a hashed id (refine_interface). Empty after seal_block.
   IdVector<VertId, GlobalId> id;
   std::vector<VertId> common;       ///< the part's vertices that other blocks have, too (frozen)
-  std::vector<GlobalId> common_id;  ///< ... and their ids, from renumber_common on
+  std::vector<GlobalId> common_id;  ///< ... and their ids, from seal_block on
   std::vector<VertId>
       frozen;  ///< the part's vertices that were frozen before the cut, ascending (shared with other ranks)
   std::vector<VertId> frozen_of;  ///< ... and their number in the whole mesh
@@ -45,18 +44,20 @@ Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabel
 /// block is then of no use. Thread-safe.
 bool refine_block_interface(Block& block);
 
-/// Follows a renumbering of the part's vertices (adapt_part).
-void renumber_common(Block& block, const IdVector<VertId, VertId>& old2new);
+/// Follows a renumbering of the part's vertices (adapt_part) and takes out the free slots. Thread-safe.
+void seal_block(Block& block, const IdVector<VertId, VertId>& old2new);
 
 /// What merge_blocks gives: the whole mesh again.
 struct Merged {
   TetMesh mesh;
   MetricField metric;
-  BlockLabels label;                 ///< the block each tetrahedron comes from
+  std::vector<VertId> between;       ///< the vertices that several blocks had, ascending
   IdVector<VertId, VertId> old2new;  ///< for vertices of the mesh before the cut that were frozen; kNoVert for others
 };
-/// Joins the blocks (which it empties): common vertices become one again, faces between blocks are matched. @pre the
-/// interfaces are as they were cut. `old_verts`: number of vertices before the cut.
+/// Joins the blocks (which it empties) with as many threads: common vertices become one again, faces between blocks are
+/// matched. The first block stays where it is, and the others are put behind it; so it is well to reserve room for all
+/// there. @pre sealed; the interfaces are as they were cut.
+/// `old_verts`: number of vertices before the cut.
 Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts);
 
 }  // namespace skein

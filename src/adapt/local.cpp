@@ -2,8 +2,6 @@
 #include "adapt/local.hpp"
 
 #include <algorithm>
-#include <exception>
-#include <thread>
 
 #include "adapt/band.hpp"
 #include "adapt/blocks.hpp"
@@ -11,6 +9,7 @@
 #include "mesh/adjacency.hpp"
 #include "mesh/assert.hpp"
 #include "mesh/check.hpp"
+#include "mesh/parallel.hpp"
 
 namespace skein {
 namespace {
@@ -58,30 +57,7 @@ void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalR
   result.counts += part.counts;
   mesh = std::move(part.mesh);
   metric = std::move(part.metric);
-}
-
-constexpr std::size_t to_index(int b) noexcept { return static_cast<std::size_t>(b); }
-
-/// Calls work(b) for every block in a thread of its own; the first exception (by block) is thrown again.
-template <class Work>
-void in_parallel(int threads, Work&& work) {
-  std::vector<std::exception_ptr> failed(to_index(threads));
-  const auto guarded = [&](int b) noexcept {
-    try {
-      work(b);
-    } catch (...) {
-      failed[to_index(b)] = std::current_exception();
-    }
-  };
-  // Threads of the standard library, because ThreadSanitizer understands them; a few of them live for seconds each.
-  {
-    std::vector<std::jthread> others;
-    for (int b = 1; b < threads; ++b) others.emplace_back(guarded, b);
-    guarded(0);
-  }
-  for (const auto& e : failed) {
-    if (e) std::rethrow_exception(e);
-  }
+  squeeze_all(mesh, metric, result.old2new);
 }
 
 /// More than a tenth of the vertices are frozen: a small part inside a refined interface. Cutting that once more gives
@@ -92,29 +68,31 @@ bool mostly_interface(const TetMesh& mesh) {
   return 10 * frozen > mesh.vert_slots();
 }
 
-/// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the labels of the result.
-BlockLabels run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
-                       LocalResult& result) {
+/// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the vertices between the blocks.
+std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
+                               LocalResult& result) {
   const auto between = between_blocks(mesh, label);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
   std::vector<char> refined(blocks.size(), 0);
+  const auto of = [](auto& list, int b) -> auto& { return list[static_cast<std::size_t>(b)]; };
   in_parallel(o.threads, [&](int b) {
-    Block& block = blocks[to_index(b)];
+    Block& block = of(blocks, b);
     block = cut_block(mesh, metric, label, between, b);
     block.part.options = o.kernel;
     block.part.spacing = o.spacing;
     prepare(block.part);
-    refined[to_index(b)] = refine_block_interface(block) ? 1 : 0;
+    of(refined, b) = refine_block_interface(block) ? 1 : 0;
   });
   const std::size_t old_verts = mesh.vert_slots();
-  if (std::find(refined.begin(), refined.end(), 0) != refined.end()) {  // all or none
-    in_parallel(o.threads, [&](int b) { blocks[to_index(b)] = cut_block(mesh, metric, label, between, b); });
-  }
+  const bool coarse = std::find(refined.begin(), refined.end(), 0) != refined.end();  // all or none
+  if (coarse) in_parallel(o.threads, [&](int b) { of(blocks, b) = cut_block(mesh, metric, label, between, b); });
+  // The others are put behind the first in the end.
+  reserve(blocks.front().part, static_cast<std::size_t>(expected_points(mesh, metric)));
   mesh = TetMesh{};
   metric = MetricField{};
   in_parallel(o.threads, [&](int b) {
-    Block& block = blocks[to_index(b)];
-    renumber_common(block, run(block.part, o));
+    Block& block = of(blocks, b);
+    seal_block(block, run(block.part, o));
   });
   for (const Block& b : blocks) result.counts += b.part.counts;
   Merged merged = merge_blocks(blocks, old_verts);
@@ -123,14 +101,17 @@ BlockLabels run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& la
   }
   mesh = std::move(merged.mesh);
   metric = std::move(merged.metric);
-  return std::move(merged.label);
+  return std::move(merged.between);
 }
 
 /// What goes with the vertices of the mesh that the threads share.
 class LocalVertices final : public VertexAttributes {
  public:
   LocalVertices(MetricField& metric, std::span<VertId> frozen) : metric_(metric), frozen_(frozen) {}
-  [[nodiscard]] SymTensor log_metric(VertId v) const override { return metric_.log_at[v]; }
+  void append_metric(VertId v, MetricField& to) const override {
+    to.at.push_back(metric_.at[v]);
+    to.log_at.push_back(metric_.log_at[v]);
+  }
   void reserve(std::size_t n) override { metric_.reserve(n); }
   void resize(std::size_t n) override {
     metric_.at.resize(n);
@@ -152,15 +133,14 @@ class LocalVertices final : public VertexAttributes {
 };
 
 /// Works on what the interfaces between blocks have held back: the band round them is cut out, adapted and put back.
-void run_between(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
+void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& between, const LocalOptions& o,
                  LocalResult& result) {
-  keep_active_near_blocks(mesh, label, kActiveLayers);
   std::vector<VertId> frozen;
   for (const VertId v : result.old2new) {
     if (v != kNoVert) frozen.push_back(v);
   }
   LocalVertices data(metric, frozen);
-  Band band = cut_band(mesh, data, kMargin);
+  Band band = cut_band(mesh, data, active_near(mesh, between, kActiveLayers), kMargin);
   LocalOptions of_band = o;
   const std::size_t n = band.mesh.tet_slots();
   if (n < kSmallestBand * static_cast<std::size_t>(o.threads) || 2 * n > mesh.tet_slots()) of_band.threads = 1;
@@ -182,10 +162,9 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads) || mostly_interface(mesh)) {
     run_alone(mesh, metric, o, result);
   } else {
-    const BlockLabels label = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);
-    run_between(mesh, metric, label, o, result);
+    const auto between = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);
+    run_between(mesh, metric, between, o, result);
   }
-  squeeze_all(mesh, metric, result.old2new);
   return result;
 }
 

@@ -28,12 +28,25 @@ void prepare(Part& p) {
   p.edges.assign(nt, {});
   for (const TetId t : IdRange<TetId>(nt)) {
     if (p.mesh.is_live(t)) {
+      if (!p.active(t)) p.dirty[t] = 0;  // no pass looks at it
       p.q3[t] = static_cast<float>(quality_cubed(p, t));
       p.edges[t] = p.classify_edges(t);
     } else {
       p.free_tets.push_back(t);
     }
   }
+}
+
+std::int64_t expected_points(const TetMesh& m, const MetricField& metric) {
+  constexpr double kPointsPerComplexity = 1.7;
+  double sum = 0;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t)) continue;
+    double density = 0;
+    for (const VertId v : m.tet2vert[t]) density += metric.at[v].sqrt_det / 4;
+    sum += density * volume6(m, t) / 6;
+  }
+  return static_cast<std::int64_t>(kPointsPerComplexity * sum) + 1000;
 }
 
 void reserve(Part& p, std::size_t points) {

@@ -136,6 +136,8 @@ struct Part {
 
 /// Sizes the caches to the mesh and computes all qualities. @pre mesh has adjacency; metric has a value per vertex.
 void prepare(Part& part);
+/// Vertices that a unit mesh for the metric would have.
+std::int64_t expected_points(const TetMesh& mesh, const MetricField& metric);
 /// Room for about `points` vertices in the end, so that the arrays need not be copied while they grow.
 void reserve(Part& part, std::size_t points);
 /// Renumbers the part along the Hilbert curve, without free slots, so that what is near in space is near in memory.

@@ -17,7 +17,6 @@ namespace {
 constexpr double kFloor = 0.3 * 0.3 * 0.3;   ///< Q^3 that a collapse of a short edge must leave
 constexpr double kHuntLength = 2;            ///< longest edge that may come of removing a vertex of a bad element
 constexpr double kNeedle = 0.1 * 0.1 * 0.1;  ///< Q^3 below which an element is swapped before it gets points
-constexpr double kPointsPerComplexity = 1.7;
 constexpr std::int64_t kRunaway =
     4;  ///< times the expected points: what creates more does not fit its metric and must end
 /// Vertices round an edge that is swapped in bulk: of 169,000 swaps 36 had more, and 6 were swaps of a face.
@@ -84,8 +83,6 @@ class Passes {
   /// Asks for the tetrahedra round t, which a look at its rings will read.
   void fetch_neighbours(TetId t) const noexcept;
   bool collapse_in(TetId t, double below, double max_length, double floor_q3);
-  /// Points that a unit mesh of the part would have.
-  [[nodiscard]] std::int64_t expected_points() const;
   bool split_in(TetId t, double above);
   bool centroid_in(TetId t);
   /// Swaps one of the edges with at most max_ring vertices round it; refusals are remembered where the sweep is about
@@ -234,21 +231,10 @@ bool Passes::centroid_in(TetId t) {
   return split_in(t, part_.options.split_above);
 }
 
-std::int64_t Passes::expected_points() const {
-  double sum = 0;
-  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
-    if (!part_.mesh.is_live(t)) continue;
-    double density = 0;
-    for (const VertId v : part_.mesh.tet2vert[t]) density += part_.metric.at[v].sqrt_det / 4;
-    sum += density * volume6(part_.mesh, t) / 6;
-  }
-  return static_cast<std::int64_t>(kPointsPerComplexity * sum) + 1000;
-}
-
 std::int64_t Passes::create_points() {
   const std::int64_t before = part_.counts.insert;
   if (expected_ < 0) {
-    expected_ = expected_points();
+    expected_ = expected_points(part_.mesh, part_.metric);
     reserve(part_, static_cast<std::size_t>(expected_));
   }
   const std::int64_t enough = before + kRunaway * expected_;

@@ -1,5 +1,7 @@
 // Adjacency of tetrahedra over their faces, and what follows from it.
 #pragma once
+#include <algorithm>
+
 #include "mesh/tet_mesh.hpp"
 
 namespace skein {
@@ -21,7 +23,9 @@ IdVector<VertId, VertId> squeeze(TetMesh& mesh);
 /// Follows a renumbering: v[i] goes to old2new[i], and is dropped where that is none. n: the new size.
 template <class Id, class T>
 void permute(IdVector<Id, T>& v, const IdVector<Id, Id>& old2new, std::size_t n) {
-  IdVector<Id, T> out(n);
+  IdVector<Id, T> out;
+  out.reserve(std::max(v.raw().capacity(), n));  // what was to come still has its place
+  out.resize(n);
   for (const Id i : IdRange<Id>(v.size())) {
     if (old2new[i] != to_id<Id>(-1)) out[old2new[i]] = v[i];
   }

@@ -196,6 +196,18 @@ TEST(AdaptBalance, GivesEveryRankItsShareOfTheResult) {
   EXPECT_LE(static_cast<double>(comm.max(static_cast<std::int64_t>(dist.mesh.tet_slots()))), 1.05 * mean);
 }
 
+TEST(AdaptGrowth, OfSeveralThreadsIsAsGoodAsOfOne) {
+  const Comm& comm = world();
+  const Case c{"grows", 12, false, uniform(0.05)};  // can be cut for two, wants four
+  const Reference one = reference(comm, c);
+  DistMesh dist = make(comm, c);
+  run(comm, dist, 4);
+  EXPECT_NO_THROW(reconcile(comm, dist));
+  const MeshStatistics s = statistics(comm, dist, true);
+  EXPECT_GE(s.length.unit_share, one.unit_share - 2);
+  EXPECT_NEAR(static_cast<double>(s.tets), one.tets, 0.05 * one.tets);
+}
+
 INSTANTIATE_TEST_SUITE_P(Threads, Adapt, ::testing::Values(1, 2));
 
 }  // namespace

@@ -77,7 +77,7 @@ void seal(std::vector<Block>& blocks) {
   for (Block& b : blocks) {
     IdVector<VertId, VertId> same(b.part.mesh.vert_slots());
     for (const VertId v : IdRange<VertId>(same.size())) same[v] = v;
-    renumber_common(b, same);
+    seal_block(b, same);
   }
 }
 

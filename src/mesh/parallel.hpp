@@ -1,0 +1,54 @@
+// Work for a few threads at once.
+#pragma once
+#include <cstddef>
+#include <exception>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace skein {
+
+/// Calls work(w) for w = 0 .. threads-1, each in a thread of its own; the first exception (by w) is thrown again when
+/// all have ended. Threads of the standard library, because ThreadSanitizer understands them.
+template <class Work>
+void in_parallel(int threads, Work&& work) {
+  std::vector<std::exception_ptr> failed(static_cast<std::size_t>(threads));
+  const auto guarded = [&](int w) noexcept {
+    try {
+      work(w);
+    } catch (...) {
+      failed[static_cast<std::size_t>(w)] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (int w = 1; w < threads; ++w) others.emplace_back(guarded, w);
+    guarded(0);
+  }
+  for (const auto& e : failed) {
+    if (e) std::rethrow_exception(e);
+  }
+}
+
+/// Where share w of n items begins when `threads` threads have as many each; share_begin(n, threads, threads) is n.
+constexpr std::size_t share_begin(std::size_t n, int w, int threads) noexcept {
+  return n * static_cast<std::size_t>(w) / static_cast<std::size_t>(threads);
+}
+
+/// Grows v to n items. A page of memory costs more when it is touched for the first time than when it is filled, so the
+/// threads touch them all first.
+template <class T>
+void grow_in_parallel(std::vector<T>& v, std::size_t n, int threads) {
+  constexpr std::size_t kPage = 4096;
+  if (n <= v.size()) return;
+  v.reserve(n);
+  auto* const begin = reinterpret_cast<volatile char*>(v.data() + v.size());
+  const std::size_t bytes = (n - v.size()) * sizeof(T);
+  in_parallel(threads, [&](int w) {
+    for (std::size_t i = share_begin(bytes, w, threads); i < share_begin(bytes, w + 1, threads); i += kPage)
+      begin[i] = 0;
+  });
+  v.resize(n);
+}
+
+}  // namespace skein
