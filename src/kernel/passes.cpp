@@ -2,6 +2,7 @@
 #include "kernel/passes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -32,7 +33,9 @@ constexpr std::size_t kGrowth = 4, kSmallMesh = 100'000;
 constexpr std::size_t kAhead = 2;  ///< moves between asking for data and using them
 constexpr int kTetsAhead = 16;     ///< the same for the tetrahedra of a sweep
 constexpr unsigned kFetching = kSwapPass | kInsertPass | kCollapsePass;  ///< sweeps that read the neighbours
-constexpr int kHuntTurns = 8, kHuntTries = 3;
+constexpr int kHuntTurns = 8, kHuntTries = 3, kLengthTurns = 4;
+/// Where along a long edge a point is tried when another vertex is too near the place of unit steps.
+constexpr std::array<double, 5> kOtherPlaces{0.5, 0.35, 0.65, 0.2, 0.8};
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
 constexpr double cube(double q) noexcept { return q * q * q; }
@@ -83,7 +86,8 @@ class Passes {
   /// Asks for the tetrahedra round t, which a look at its rings will read.
   void fetch_neighbours(TetId t) const noexcept;
   bool collapse_in(TetId t, double below, double max_length, double floor_q3);
-  bool split_in(TetId t, double above);
+  /// Splits the longest of the edges above this length that can be; `hunt`: with more than one place for the point.
+  bool split_in(TetId t, double above, bool hunt = false);
   bool centroid_in(TetId t);
   /// Swaps one of the edges with at most max_ring vertices round it; refusals are remembered where the sweep is about
   /// swaps.
@@ -187,7 +191,7 @@ std::int64_t Passes::collapse_short(double below, double max_length, double floo
   return part_.counts.collapse - before;
 }
 
-bool Passes::split_in(TetId t, double above) {
+bool Passes::split_in(TetId t, double above, bool hunt) {
   struct Long {
     double length, ratio;  ///< ratio of the lengths in the metrics of b and a
     VertId a, b;
@@ -213,7 +217,11 @@ bool Passes::split_in(TetId t, double above) {
     double s = f;
     if (std::abs(r - 1) > 1e-3) s = std::log(1 + f * (r - 1)) / std::log(r);
     s = std::clamp(s, 0.1, 0.9);
-    if (insert_.on_edge(t, a, b, s) == InsertResult::kDone) return true;
+    InsertResult done = insert_.on_edge(t, a, b, s);
+    for (std::size_t k = 0; hunt && done == InsertResult::kTooClose && k < kOtherPlaces.size(); ++k) {
+      done = insert_.on_edge(t, a, b, kOtherPlaces[k]);
+    }
+    if (done == InsertResult::kDone) return true;
     mark_refused(part_, insert_.shell());
   }
   return false;
@@ -323,12 +331,16 @@ bool Passes::remove_vertex_in(TetId t) {
 void Passes::hunt_lengths(const LengthHunt& hunt) {
   const KernelOptions strict = part_.options;
   part_.options.length_min_new = hunt.min_new;
-  forget_refused();
-  for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
-    const auto t = to_id<TetId>(i);
-    if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) continue;
-    if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
-    if (!split_in(t, hunt.longest)) collapse_in(t, hunt.shortest, hunt.max_new, kFloor);
+  std::int64_t done = 1;
+  for (int turn = 0; done != 0 && turn < kLengthTurns; ++turn) {
+    done = 0;
+    forget_refused();
+    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
+      const auto t = to_id<TetId>(i);
+      if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) continue;
+      if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
+      if (split_in(t, hunt.longest, true) || collapse_in(t, hunt.shortest, hunt.max_new, kFloor)) ++done;
+    }
   }
   part_.options = strict;
 }
