@@ -6,54 +6,15 @@
 #include <cmath>
 #include <numeric>
 
-#include "mesh/hilbert.hpp"
-#include "partition/rendezvous.hpp"
+#include "partition/duels.hpp"
 #include "partition/sharing.hpp"
 
 namespace skein {
 namespace {
 
-constexpr double kMostCells = 4;  ///< per axis of the interface's box: regions with an order of ranks of their own
-constexpr double kCopiesPerCell = 800;  ///< shared vertices, each copy counted, that a cell should have
+/// Edges from what is bad within which interfaces are moved: its neighbours have to change, too.
+constexpr int kReach = 1;
 
-/// The box of all shared vertices of all ranks.
-Box interface_box(const Comm& comm, const DistMesh& dist) {
-  constexpr double kBig = 1e300;
-  std::array<double, 6> low{kBig, kBig, kBig, kBig, kBig, kBig};  // the last three are those of -x
-  for (const VertId v : dist.sharing.vert) {
-    const Vec3 x = dist.mesh.coords[v];
-    const std::array<double, 6> here{x.x, x.y, x.z, -x.x, -x.y, -x.z};
-    for (std::size_t i = 0; i < 6; ++i) low[i] = std::min(low[i], here[i]);
-  }
-  comm.reduce(std::span<double>(low), Op::kMin);
-  return {{low[0], low[1], low[2]}, {-low[3], -low[4], -low[5]}};
-}
-
-/// Cells per axis of the interface's box, so that a cell has some hundred interface vertices: where cells of different
-/// winners meet, the old interface stays, and that should be little of it.
-int cells_per_axis(const Comm& comm, const DistMesh& dist) {
-  const auto copies = comm.sum(static_cast<double>(dist.sharing.size()));
-  return static_cast<int>(std::clamp(std::sqrt(copies / kCopiesPerCell), 1.0, kMostCells));
-}
-
-/// Number of the cell of x among cells^3 in the box, the cells being moved with the round.
-std::uint64_t cell_of(Vec3 x, const Box& box, int cells, int round) noexcept {
-  if (cells == 1) return 0;
-  const double shift = 0.5 * round;
-  const auto axis = [&](double at, double low, double high) {
-    return high > low ? static_cast<std::uint64_t>(cells * (at - low) / (high - low) + shift) : 0;
-  };
-  return axis(x.x, box.low.x, box.high.x) << 40 | axis(x.y, box.low.y, box.high.y) << 20 |
-         axis(x.z, box.low.z, box.high.z);
-}
-
-/// The rank in the low bits, above it what orders the ranks in this round and cell; greater than 0. Each cell has its
-/// own order, so that no rank takes all of its neighbours.
-std::int64_t priority(Rank r, int round, std::uint64_t cell) noexcept {
-  const std::uint64_t h =
-      mix(mix(mix(static_cast<std::uint64_t>(round) + 1) ^ cell) ^ static_cast<std::uint64_t>(num(r)));
-  return static_cast<std::int64_t>((h >> 34 | 1) << 32) | num(r);
-}
 Rank label_rank(std::int64_t label) noexcept { return to_id<Rank>(label & 0xffffffff); }
 
 std::int64_t highest(const TetMesh& m, TetId t, const std::vector<std::int64_t>& label) noexcept {
@@ -91,20 +52,43 @@ void spread(const DistMesh& dist, const Halo& halo, std::vector<std::int64_t>& l
   halo.max(std::span<std::int64_t>(label));
 }
 
+/// Per entry of dist.sharing: it shall become interior, if it can.
+std::vector<char> to_be_freed(const DistMesh& dist, const Halo& halo, GlobalId before) {
+  const TetMesh& m = dist.mesh;
+  std::vector<std::int64_t> label(m.vert_slots(), 0);
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) label[idx(v)] = m.has(v, kHeld) ? 1 : 0;
+  for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
+    if (dist.sharing.gid[i] < before) label[idx(dist.sharing.vert[i])] = 0;
+  }
+  halo.max(std::span<std::int64_t>(label));
+  for (int l = 0; l < kReach; ++l) spread(dist, halo, label);
+  std::vector<char> wanted(dist.sharing.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    wanted[i] = label[idx(dist.sharing.vert[i])] != 0 || dist.sharing.gid[i] < before ? 1 : 0;
+  }
+  return wanted;
+}
+
 }  // namespace
 
 IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round,
                                          GlobalId before) {
   const TetMesh& m = dist.mesh;
   const Halo halo(comm, dist.sharing);
+  const std::vector<char> wanted = to_be_freed(dist, halo, before);
   std::vector<std::int64_t> label(m.vert_slots(), 0);
-  const Box box = interface_box(comm, dist);
-  const int cells = cells_per_axis(comm, dist);
-  for (const VertId v : dist.sharing.vert) {
-    if (dist.vert2gid[v] >= before) continue;
-    label[idx(v)] = priority(comm.rank(), round, cell_of(m.coords[v], box, cells, round));
+  if (round == 1) {
+    const Duels duels(comm, dist, wanted, round);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const VertId v = dist.sharing.vert[i];
+      if (wanted[i] != 0) label[idx(v)] = duels.priority(duels.winner(dist.sharing, i, m.coords[v]));
+    }
+  } else {
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (wanted[i] != 0) label[idx(dist.sharing.vert[i])] = order_in_round(comm.rank(), round);
+    }
+    halo.max(std::span<std::int64_t>(label));
   }
-  halo.max(std::span<std::int64_t>(label));
   for (int l = 0; l < layers; ++l) spread(dist, halo, label);
   IdVector<TetId, Rank> dest(m.tet_slots(), comm.rank());
   for_each_labelled(m, label, [&](TetId t) { dest[t] = label_rank(highest(m, t, label)); });
@@ -115,8 +99,14 @@ bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId bef
   TetMesh& m = dist.mesh;
   const Halo halo(comm, dist.sharing);
   std::vector<std::int64_t> label(m.vert_slots(), 0);
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) label[idx(v)] = m.has(v, kHeld) ? 1 : 0;
+  for (const VertId v : dist.sharing.vert) label[idx(v)] |= dist.vert2gid[v] < before ? 1 : 0;
+  halo.max(std::span<std::int64_t>(label));
   std::int64_t any = 0;
-  for (const VertId v : dist.sharing.vert) any |= label[idx(v)] = dist.vert2gid[v] < before ? 1 : 0;
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    any |= label[idx(v)];
+    if (label[idx(v)] != 0) m.vert_flags[v] |= kHeld;
+  }
   for (int l = 0; l < layers; ++l) spread(dist, halo, label);
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));

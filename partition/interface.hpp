@@ -10,15 +10,16 @@ namespace skein {
 inline constexpr GlobalId kEveryGlobal{std::numeric_limits<std::int64_t>::max()};  ///< above all global ids
 
 /// Collective. A new rank for each tetrahedron such that old interfaces become interior: each shared vertex with a
-/// global id below `before` is given to the one of its ranks that has the highest priority there in this round (a hash
-/// of rank, round and cell of a coarse grid), with all its tetrahedra and `layers` more layers of tetrahedra. Between
-/// two such regions the higher priority wins, so an old interface vertex stays shared only where such regions meet.
-/// Tetrahedra elsewhere stay. @pre layers >= 0.
+/// global id below `before`, or within an edge of another that is kHeld, is given to one of its ranks, with all its
+/// tetrahedra and `layers` more layers of tetrahedra. In round 1, with all interfaces at stake, Duels share them out
+/// evenly; later one order of the ranks, another one in each round, leaves less. It also decides between two such
+/// regions, so an old interface vertex stays shared only where they meet. Tetrahedra elsewhere stay. @pre layers >= 0.
 IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round,
                                          GlobalId before = kEveryGlobal);
 
-/// Collective. kActive on the vertices within `layers` edges (over all ranks) of the vertices that are shared now and
-/// have a global id below `before`; cleared elsewhere. Tells whether there are any on any rank.
+/// Collective. kHeld on the vertices that are shared now and have a global id below `before`, and on all copies of
+/// those that have it; kActive on the vertices within `layers` edges (over all ranks) of these, cleared elsewhere.
+/// Tells whether there are any on any rank.
 bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId before = kEveryGlobal);
 
 /// Collective. Vertices with kNoGlobal get global ids behind the largest there is: by rank, then local order. Sets the

@@ -27,14 +27,16 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 8;            ///< elements out of one in a step of growth
-constexpr int kMostSteps = 10;           ///< of growth
+constexpr double kGrowth = 8;         ///< elements out of one in a step of growth
+constexpr int kMostSteps = 10;        ///< of growth
+constexpr int kTurnsAfterGrowth = 3;  ///< of the main passes, in parts of a mesh that is unit in another metric already
 constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
 constexpr double kImbalance = 0.03;      ///< to which the numbers of tetrahedra of the result are brought ...
 constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good already
 constexpr int kLayers = 1;               ///< by which interfaces between ranks move
 constexpr int kActiveLayers = 1;         ///< round old interfaces that are worked on again
-constexpr int kMargin = 2;               ///< layers round these that cavities may reach into
+constexpr int kMendingRounds = 2;        ///< after the others, for what frozen vertices have left in a bad state
+constexpr int kMargin = 1;               ///< layers round these that cavities may reach into
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
@@ -102,7 +104,8 @@ OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
 
 /// The local part of a later round: the kernel on what is active, and nothing that costs as much as the whole mesh.
 /// Not collective.
-OperationCounts adapt_band(DistMesh& dist, const LocalOptions& options) {
+OperationCounts adapt_band(DistMesh& dist, LocalOptions options) {
+  options.kernel.only_held = true;
   Band band = cut_band(dist, kMargin);
   const LocalResult r = adapt_local(band.mesh, band.metric, options);
   put_back(dist, band, r.old2new);
@@ -136,7 +139,8 @@ void even_out(const Comm& comm, DistMesh& dist, int parts) {
 
 /// Collective. Moves the interfaces for the next round. Vertices of the first interface have numbers below
 /// `never_free` for as long as they have been on one in every round; everywhere else the mesh has been worked on with
-/// nothing frozen. Tells whether any are left; otherwise there is nothing to do.
+/// nothing frozen, and only what this has left in a bad state beside frozen vertices (kHeld) is looked at again. Tells
+/// whether any are left; otherwise there is nothing to do.
 bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never_free) {
   if (!mark_active_band(comm, dist, kActiveLayers, never_free)) return false;
   migrate(comm, dist, displace_interface(comm, dist, kLayers, round, never_free));
@@ -168,10 +172,11 @@ GlobalId run_kernel(const Comm& comm, DistMesh& dist, const std::string& phase, 
 /// Who works: parts, one per rank, and threads on each of them.
 struct Workers {
   int parts = 1, threads = 1;
+  bool grown = false;  ///< the mesh has grown in steps before
 };
 /// Threads cut a part again, so they are counted like parts.
-Workers workers_for(const CutLimits& limits, int parts, int threads) noexcept {
-  return {parts, std::clamp(limits.able / parts, 1, threads)};
+Workers workers_for(const CutLimits& limits, int parts, int threads, bool grown) noexcept {
+  return {parts, std::clamp(limits.able / parts, 1, threads), grown};
 }
 
 /// Collective. Lets a mesh that is too small for all the parts that its final state can feed grow on fewer ranks, with
@@ -188,12 +193,12 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
     const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
     // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
     if (limits.able >= limits.wanted || !helps || step == kMostSteps || local.spacing != nullptr)
-      return workers_for(limits, std::min(limits.wanted, comm.size()), local.threads);
+      return workers_for(limits, std::min(limits.wanted, comm.size()), local.threads, step > 0);
     last = limits;
     log.start(fmt::format("growth {}: partition", step + 1));
     if (!given) given.emplace(comm, dist, dist.data);
     bound_growth(comm, dist, elements, kGrowth);
-    const Workers now = workers_for(limits, std::min(limits.able, comm.size()), local.threads);
+    const Workers now = workers_for(limits, std::min(limits.able, comm.size()), local.threads, step > 0);
     LocalOptions step_options = local;
     step_options.threads = now.threads;
     if (comm.size() > 1) cut_parts(comm, dist, now.parts, local);
@@ -219,16 +224,19 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   });
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
-  const auto [parts, threads] = grow(comm, dist, local, log);
+  const auto [parts, threads, grown] = grow(comm, dist, local, log);
   local.threads = threads;
   log.start("round 1: partition");
   if (comm.size() > 1) cut_parts(comm, dist, parts, local);
   finish();
-  const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] { return adapt_rank(dist, local); });
+  LocalOptions first = local;
+  if (grown && parts > 1) first.kernel.least_turns = kTurnsAfterGrowth;
+  const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] { return adapt_rank(dist, first); });
   bool more = parts > 1;
-  for (int round = 1; more && round < options.rounds; ++round) {
+  const int rounds = options.rounds > 1 ? options.rounds + kMendingRounds : 1;
+  for (int round = 1; more && round < rounds; ++round) {
     log.start(fmt::format("round {}: partition", round + 1));
-    more = move_interfaces(comm, dist, round, never_free);
+    more = move_interfaces(comm, dist, round, round < options.rounds ? never_free : GlobalId{0});
     finish();
     if (!more) break;
     run_kernel(comm, dist, fmt::format("round {}: adapt", round + 1), log, [&] { return adapt_band(dist, local); });
@@ -237,7 +245,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   even_out(comm, dist, parts);
   finish();
   log.start("reconcile");
-  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
+  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~(kActive | kHeld));
   reconcile(comm, dist, options.threads);
   finish();
 }

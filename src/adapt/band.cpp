@@ -103,7 +103,7 @@ class Return {
   void place_vertices(const IdVector<VertId, VertId>& old2new) {
     vert_.assign(b_.vert_slots(), kNoVert);
     for (const VertId v : IdRange<VertId>(old2new.size())) {
-      if (old2new[v] != kNoVert) vert_[old2new[v]] = band_.to_rank[v];
+      if (old2new[v] != kNoVert) keep_vertex(band_.to_rank[v], old2new[v]);
       if (old2new[v] == kNoVert) free_verts_.push_back(band_.to_rank[v]);
     }
     std::sort(free_verts_.begin(), free_verts_.end());
@@ -135,6 +135,11 @@ class Return {
     m_.vert2tet.push_back(kNoTet);
     data_.resize(m_.vert_slots());
     return to_id<VertId>(m_.vert_slots() - 1);
+  }
+
+  void keep_vertex(VertId v, VertId in_band) {
+    vert_[in_band] = v;
+    m_.vert_flags[v] = static_cast<std::uint8_t>((m_.vert_flags[v] & ~kHeld) | (b_.vert_flags[in_band] & kHeld));
   }
 
   void copy_vertex(VertId from, VertId to) {

@@ -15,7 +15,7 @@ namespace skein {
 namespace {
 
 constexpr int kActiveLayers = 1;               ///< round old interfaces that are worked on again
-constexpr int kMargin = 2;                     ///< layers round these that cavities may reach into
+constexpr int kMargin = 1;                     ///< layers round these that cavities may reach into
 constexpr std::size_t kSmallestBand = 50'000;  ///< the same for a band, which is mostly interface when it is cut
 constexpr std::size_t kSmallest = 2000;        ///< tetrahedra per thread below which threads do not pay
 
@@ -60,12 +60,12 @@ void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalR
   squeeze_all(mesh, metric, result.old2new);
 }
 
-/// More than a tenth of the vertices are frozen: a small part inside a refined interface. Cutting that once more gives
-/// blocks that are all interface, whose needles cost more than the threads gain.
-bool mostly_interface(const TetMesh& mesh) {
-  std::size_t frozen = 0;
+/// More than a tenth of the vertices, now or in the end, are frozen: a small part inside a refined interface. Cutting
+/// that once more gives blocks that are all interface, whose needles cost more than the threads gain.
+bool mostly_interface(const TetMesh& mesh, const MetricField& metric) {
+  std::int64_t frozen = 0;
   for (const auto f : mesh.vert_flags) frozen += (f & kFrozen) != 0 ? 1 : 0;
-  return 10 * frozen > mesh.vert_slots();
+  return 10 * frozen > std::ssize(mesh.vert_flags.raw()) && 10 * frozen > expected_points(mesh, metric);
 }
 
 /// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the vertices between the blocks.
@@ -139,9 +139,15 @@ void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& 
   for (const VertId v : result.old2new) {
     if (v != kNoVert) frozen.push_back(v);
   }
+  for (const VertId v : between) mesh.vert_flags[v] |= kHeld;
+  std::vector<VertId> held;
+  for (const VertId v : IdRange<VertId>(mesh.vert_slots())) {
+    if (mesh.has(v, kHeld)) held.push_back(v);
+  }
   LocalVertices data(metric, frozen);
-  Band band = cut_band(mesh, data, active_near(mesh, between, kActiveLayers), kMargin);
+  Band band = cut_band(mesh, data, active_near(mesh, held, kActiveLayers), kMargin);
   LocalOptions of_band = o;
+  of_band.kernel.only_held = true;
   const std::size_t n = band.mesh.tet_slots();
   if (n < kSmallestBand * static_cast<std::size_t>(o.threads) || 2 * n > mesh.tet_slots()) of_band.threads = 1;
   const LocalResult r = adapt_local(band.mesh, band.metric, of_band);
@@ -159,7 +165,8 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
-  if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads) || mostly_interface(mesh)) {
+  if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads) ||
+      mostly_interface(mesh, metric)) {
     run_alone(mesh, metric, o, result);
   } else {
     const auto between = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);

@@ -17,6 +17,8 @@ struct KernelOptions {
   bool centroid_points = false;       ///< create points at centroids with exclusion zones instead of along edges
   bool springs = false;               ///< move vertices by springs between them instead of by quality
   bool surface = true;                ///< tagged faces may change
+  int least_turns = 2;                ///< of the main passes, even if little changes any more
+  bool only_held = false;             ///< begin at kHeld vertices only, and go on to what changes, where active
   double split_above = 1.4142135623;  ///< edges longer than this get points
   double collapse_below = 0.7071067;  ///< edges shorter than this lose an end
   double length_min_new = 0.6;        ///< no new point closer than this to another
@@ -127,11 +129,13 @@ struct Part {
     }
     return bits;
   }
-  [[nodiscard]] bool active(TetId t) const noexcept {
+  /// A vertex of t has one of these flags.
+  [[nodiscard]] bool has_any(TetId t, std::uint8_t flags) const noexcept {
     const auto& v = mesh.tet2vert[t];
-    return ((mesh.vert_flags[v[0]] | mesh.vert_flags[v[1]] | mesh.vert_flags[v[2]] | mesh.vert_flags[v[3]]) &
-            kActive) != 0;
+    return ((mesh.vert_flags[v[0]] | mesh.vert_flags[v[1]] | mesh.vert_flags[v[2]] | mesh.vert_flags[v[3]]) & flags) !=
+           0;
   }
+  [[nodiscard]] bool active(TetId t) const noexcept { return has_any(t, kActive); }
 };
 
 /// Sizes the caches to the mesh and computes all qualities. @pre mesh has adjacency; metric has a value per vertex.

@@ -36,6 +36,8 @@ constexpr unsigned kFetching = kSwapPass | kInsertPass | kCollapsePass;  ///< sw
 constexpr int kHuntTurns = 8, kHuntTries = 3, kLengthTurns = 4;
 /// Where along a long edge a point is tried when another vertex is too near the place of unit steps.
 constexpr std::array<double, 5> kOtherPlaces{0.5, 0.35, 0.65, 0.2, 0.8};
+/// What another round shall look at if frozen vertices were in the way of this one.
+constexpr double kBadQuality = 0.3, kBadLong = 2, kBadShort = 0.4;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
 constexpr double cube(double q) noexcept { return q * q * q; }
@@ -70,6 +72,9 @@ class Passes {
   void hunt_worst(double target);
   /// Counts what is still below `target`, by what holds it (OperationCounts).
   void count_poor(double target);
+  /// kHeld on the vertices of what is far from what was wanted and has a frozen or idle vertex next to it, as another
+  /// round might do better there; and on no others.
+  void mark_held();
   /// Puts what is near in space near in memory, if much is new.
   void order_if_grown();
   /// Vertices before the first pass -> vertices now.
@@ -95,6 +100,9 @@ class Passes {
   bool swap_in(TetId t);
   bool smooth_in(TetId t);
   bool remove_vertex_in(TetId t);
+  [[nodiscard]] bool is_bad(TetId t) const noexcept;
+  /// Not all vertices of the tetrahedra at those of t can be worked with.
+  [[nodiscard]] bool is_confined(TetId t);
 
   Part& part_;
   Cavity cavity_;
@@ -104,6 +112,7 @@ class Passes {
   Smoother smooth_;
   Shell shell_;
   std::vector<VertId> to_move_;
+  std::vector<TetId> ball_;
   IdVector<VertId, VertId> old2new_;
   std::size_t ordered_;  ///< tetrahedra when they were put in order
   double collapsed_below_ = 0;
@@ -182,7 +191,7 @@ bool Passes::collapse_in(TetId t, double below, double max_length, double floor_
 
 std::int64_t Passes::collapse_short(double below, double max_length, double floor_q3) {
   const std::int64_t before = part_.counts.collapse;
-  if (below > collapsed_below_) {  // a higher bound: what was looked at counts anew
+  if (collapsed_below_ > 0 && below > collapsed_below_) {  // a higher bound: what was looked at counts anew
     for (auto& d : part_.dirty) d |= kCollapsePass;
   }
   collapsed_below_ = below;
@@ -357,6 +366,42 @@ void Passes::count_poor(double target) {
   }
 }
 
+bool Passes::is_bad(TetId t) const noexcept {
+  constexpr auto limit = static_cast<float>(cube(kBadQuality));
+  if (part_.q3[t] < limit) return true;
+  const EdgeBits bits = part_.edges[t];
+  for (unsigned mask = bits.may_be_long | bits.may_be_short; mask != 0; mask &= mask - 1) {
+    const auto& e = kEdgeVerts[static_cast<std::size_t>(std::countr_zero(mask))];
+    const auto& tv = part_.mesh.tet2vert[t];
+    const VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
+    if (part_.is_longer(a, b, kBadLong) || part_.is_shorter(a, b, kBadShort)) return true;
+  }
+  return false;
+}
+
+bool Passes::is_confined(TetId t) {
+  const TetMesh& m = part_.mesh;
+  const auto bound = [&](VertId v) { return (m.vert_flags[v] & (kFrozen | kActive)) != kActive; };
+  const auto tv = m.tet2vert[t];
+  for (const VertId v : tv) {
+    ball_.clear();
+    if (bound(v) || !gather_ball(part_, v, ball_)) return true;
+    for (const TetId near : ball_) {
+      const auto& w = m.tet2vert[near];
+      if (bound(w[0]) || bound(w[1]) || bound(w[2]) || bound(w[3])) return true;
+    }
+  }
+  return false;
+}
+
+void Passes::mark_held() {
+  for (auto& f : part_.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kHeld);
+  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
+    if (!part_.mesh.is_live(t) || !is_bad(t) || !part_.active(t) || !is_confined(t)) continue;
+    for (const VertId v : part_.mesh.tet2vert[t]) part_.mesh.vert_flags[v] |= kHeld;
+  }
+}
+
 void Passes::hunt_worst(double target) {
   const auto limit = static_cast<float>(cube(target));
   for (int turn = 0; turn < kHuntTurns; ++turn) {
@@ -389,7 +434,8 @@ constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new 
 IdVector<VertId, VertId> adapt_part(Part& part) {
   Passes pass(part);
   const KernelOptions& o = part.options;
-  pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
+  // Much shorter ones first, where there may be many.
+  if (!o.only_held) pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
   const auto verts = [&] { return static_cast<std::int64_t>(part.mesh.vert_slots() - part.free_verts.size()); };
   const Care care = part.counts.collapse > verts() ? kCoarsened : kRefined;
@@ -400,7 +446,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
     pass.smooth_below(0.9);
     std::int64_t changed = pass.collapse_short(o.collapse_below, care.stretch * o.split_above, kFloor);
     changed += pass.create_points();
-    if (i >= 1 && kSettled * changed <= verts()) break;
+    if (i + 1 >= o.least_turns && kSettled * changed <= verts()) break;
   }
   pass.hunt_lengths(kFar);
   pass.swap_below(care.swap);
@@ -410,6 +456,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   pass.hunt_lengths(kVeryFar);
   pass.hunt_worst(0.4);
   pass.count_poor(kPoor);
+  pass.mark_held();
   return std::move(pass.old2new());
 }
 

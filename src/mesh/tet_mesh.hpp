@@ -18,6 +18,7 @@ enum VertFlag : std::uint8_t {
   kRequired = 8,  ///< given as required: never moves, never goes
   kFrozen = 16,   ///< on the interface to another part: not to be touched in this round
   kActive = 32,   ///< still to be looked at
+  kHeld = 128,    ///< what is round it is to be looked at first: a frozen vertex was in the way of the last round
 };
 
 /// Tag of one face of a tetrahedron: 0 is an inner face; otherwise the low 14 bits are the patch number (1-based

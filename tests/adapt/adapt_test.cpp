@@ -106,8 +106,9 @@ TEST_P(Adapt, KeepsAndFits) {
     EXPECT_LE(s.length.p99, 2);
     // The worst element and the longest edge; a part of a few hundred tetrahedra is little more than its interface.
     if (s.tets >= 1000 * comm.size()) {
-      EXPECT_GE(s.quality.min, 0.1);
-      EXPECT_LE(s.length.max, 4);
+      EXPECT_GE(s.quality.min, 0.2);
+      EXPECT_LE(s.length.max, 2.5);
+      EXPECT_GE(s.length.min, 0.25);
     }
     EXPECT_GE(s.length.p1, 0.5);
     const Reference one = reference(comm, c);

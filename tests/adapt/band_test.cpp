@@ -46,6 +46,26 @@ TEST(Band, ComesBackAsItWasCut) {
   EXPECT_EQ(content(comm, to_slices(comm, dist)), before);
 }
 
+TEST(Band, BringsBackWhatIsHeld) {
+  const Comm& comm = world();
+  DistMesh dist = make(comm, 0.1);
+  for (auto& f : dist.mesh.vert_flags) f |= kHeld;
+  Band band = cut_band(dist, 1);
+  const auto marked = [](Vec3 x) { return x.y < 0.5; };  // as the kernel would, on frozen vertices, too
+  for (const VertId v : IdRange<VertId>(band.mesh.vert_slots())) {
+    if (!marked(band.mesh.coords[v]))
+      band.mesh.vert_flags[v] = static_cast<std::uint8_t>(band.mesh.vert_flags[v] & ~kHeld);
+  }
+  IdVector<VertId, VertId> old2new(band.mesh.vert_slots(), kNoVert);
+  for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = band.mesh.has(v, kFrozen) ? v : kNoVert;
+  IdVector<VertId, char> in_band(dist.mesh.vert_slots(), 0);
+  for (const VertId v : band.to_rank) in_band[v] = 1;
+  put_back(dist, band, old2new);  // nothing has changed, so numbers have not
+  for (const VertId v : IdRange<VertId>(in_band.size())) {
+    EXPECT_EQ(dist.mesh.has(v, kHeld), in_band[v] == 0 || marked(dist.mesh.coords[v]));
+  }
+}
+
 TEST(Band, MayGrowAndShrink) {
   const Comm& comm = world();
   for (const double h : {0.04, 0.25}) {

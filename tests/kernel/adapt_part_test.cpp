@@ -77,7 +77,7 @@ Items frozen_vertices(const Part& p) {
     if (!p.mesh.is_live(v) || !p.mesh.has(v, kFrozen)) continue;
     const Vec3 x = p.x(v);
     const SymTensor& l = p.metric.log_at[v];
-    out.insert({x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v])});
+    out.insert({x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v] & ~kHeld)});
   }
   return out;
 }
@@ -219,6 +219,40 @@ TEST(AdaptPart, GivesTheSameBytesAgain) {
   EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
   EXPECT_EQ(a.mesh.coords, b.mesh.coords);
   EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+}
+
+/// Beside frozen edges that are far too long for the metric.
+TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
+  for (const bool frozen : {true, false}) {
+    SmoothMetric metric;
+    metric.size = {0.06, 0.06, 0.06};
+    Part p = make_part({.n = 4, .perturb = 0.2}, metric);
+    for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
+      p.mesh.vert_flags[v] |= kHeld;  // of an earlier round
+      if (frozen && p.x(v).x == 0) p.mesh.vert_flags[v] |= kFrozen;
+    }
+    adapt_part(p);
+    IdVector<VertId, char> of_bad(p.mesh.vert_slots(), 0);
+    std::size_t bad = 0;
+    for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) {
+      if (!p.mesh.is_live(t)) continue;
+      const auto& v = p.mesh.tet2vert[t];
+      bool is_bad = quality(quality_cubed(p, t)) < 0.3;
+      for (const auto& e : kEdgeVerts) {
+        const double l = p.length(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]);
+        is_bad = is_bad || l > 2 || l < 0.4;
+      }
+      if (!is_bad) continue;
+      for (const VertId w : v) of_bad[w] = 1;
+      if (!p.has_any(t, kFrozen)) continue;
+      ++bad;
+      for (const VertId w : v) EXPECT_TRUE(p.mesh.has(w, kHeld));
+    }
+    EXPECT_EQ(bad > 0, frozen);
+    for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
+      EXPECT_TRUE(!p.mesh.has(v, kHeld) || (frozen && of_bad[v] != 0));
+    }
+  }
 }
 
 TEST(AdaptPart, WithoutActiveVerticesNothingChanges) {

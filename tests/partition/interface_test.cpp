@@ -123,8 +123,37 @@ TEST(Interface, LeavesWhatHasHigherNumbersAlone) {
   }
   EXPECT_EQ(mark_active_band(comm, dist, 0, before), comm.sum(seeds) > 0);
   for (const VertId v : IdRange<VertId>(old.size())) EXPECT_EQ(dist.mesh.has(v, kActive), old[v] != 0);
+  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kHeld);  // as the kernel does
   EXPECT_FALSE(mark_active_band(comm, dist, 1, GlobalId{0}));
   for (const auto f : dist.mesh.vert_flags) EXPECT_EQ(f & kActive, 0);
+}
+
+TEST(Interface, WhatIsHeldBecomesInteriorAndActive) {
+  const Comm& comm = world();
+  DistMesh dist = distribute(comm, slices(comm, cube(8)));
+  // One place of the interface, told by the lowest of its copies only.
+  std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
+  if (dist.sharing.size() > 0) lowest = num(dist.sharing.gid.front());
+  const GlobalId held{comm.min(lowest)};
+  for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
+    if (dist.sharing.gid[i] == held && dist.sharing.owned(i, comm.rank()))
+      dist.mesh.vert_flags[dist.sharing.vert[i]] |= kHeld;
+  }
+  EXPECT_EQ(mark_active_band(comm, dist, 1, GlobalId{0}), comm.size() > 1);
+  for (int round = 1; round < 4; ++round) {
+    migrate(comm, dist, displace_interface(comm, dist, 1, round, GlobalId{0}));
+    reconcile(comm, dist);
+  }
+  const auto shared = shared_gids(comm, dist);
+  EXPECT_FALSE(std::binary_search(shared.begin(), shared.end(), held));
+  std::int64_t active = 0;
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    EXPECT_EQ(dist.mesh.has(v, kHeld), dist.vert2gid[v] == held);
+    active += dist.mesh.has(v, kActive) ? 1 : 0;
+  }
+  active = comm.sum(active);
+  EXPECT_EQ(active > 0, comm.size() > 1);
+  EXPECT_LT(active, dist.global_verts / 4);
 }
 
 TEST(Interface, NewNumbersAreDistinctAndCompactOnesAreDense) {
