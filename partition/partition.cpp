@@ -55,12 +55,33 @@ std::vector<double> predicted_elements(const DistMesh& dist) {
   return elements;
 }
 
+namespace {
+
+/// How far the metric with this logarithm is from an isotropic one: the length of the logarithm's deviator.
+double anisotropy(const double* l) noexcept {
+  const double mean = (l[0] + l[2] + l[5]) / 3, x = l[0] - mean, y = l[2] - mean, z = l[5] - mean;
+  return std::sqrt(x * x + y * y + z * z + 2 * (l[1] * l[1] + l[3] * l[3] + l[4] * l[4]));
+}
+
+}  // namespace
+
 std::vector<double> predicted_work(const DistMesh& dist) {
   std::vector<double> work = predicted_elements(dist);
   if (dist.data.width < 6) return work;
   // Measured: 2.3 microseconds for each tetrahedron that is made, 1.7 for one that goes, 0.6 for one that stays.
   constexpr double kStays = 0.27, kGoes = 0.75;
-  for (double& w : work) w = w > 1 ? w - 1 + kStays : kStays * w + kGoes * (1 - w);
+  // What is made for a metric whose lengths differ by factors costs this much more than for an isotropic one.
+  constexpr double kMore = 0.4;
+  IdVector<VertId, double> made(dist.mesh.vert_slots());
+  for (const VertId v : IdRange<VertId>(made.size())) {
+    made[v] = 1 + kMore * (1 - std::exp(-anisotropy(dist.data.at(v))));
+  }
+  for (const TetId t : IdRange<TetId>(work.size())) {
+    double& w = work[idx(t)];
+    const auto& v = dist.mesh.tet2vert[t];
+    w = w > 1 ? (made[v[0]] + made[v[1]] + made[v[2]] + made[v[3]]) / 4 * (w - 1) + kStays
+              : kStays * w + kGoes * (1 - w);
+  }
   return work;
 }
 

@@ -20,8 +20,9 @@ IdVector<TetId, Rank> partition(const Comm& comm, const DistMesh& dist, std::spa
 /// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M), the
 /// log-metric being the first 6 data numbers. 1 when data.width < 6.
 std::vector<double> predicted_elements(const DistMesh& dist);
-/// Expected cost of each tetrahedron in an adaptation, in units of what it takes to make a new one: those that go cost
-/// somewhat more, those that stay a third. 1 when data.width < 6.
+/// Expected cost of each tetrahedron in an adaptation, in units of what it takes to make a new one for an isotropic
+/// metric: those that are made for another cost up to 1.4 times as much, those that go somewhat less, those that stay
+/// a third. 1 when data.width < 6.
 std::vector<double> predicted_work(const DistMesh& dist);
 
 struct PartitionStats {

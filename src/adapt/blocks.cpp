@@ -11,8 +11,8 @@
 namespace skein {
 namespace {
 
-constexpr double kImbalance = 0.01;  ///< of the blocks' predicted work
-constexpr double kIdle = 0.01;       ///< work in a tetrahedron that is not active
+constexpr double kImbalance = 0.005;  ///< of the blocks' predicted work
+constexpr double kIdle = 0.01;        ///< work in a tetrahedron that is not active
 
 /// Faces to other ranks count as hull while this lives: the partitioner would look for what is behind them.
 class WithoutOthers {
