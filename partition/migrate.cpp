@@ -51,7 +51,7 @@ void close_block(Packets<T>& p, Rank r) {
 struct Leaving {
   std::vector<TetId> tets;
   std::vector<std::size_t> offset;      ///< by rank
-  IdVector<TetId, std::int32_t> place;  ///< in the block of its destination, or the new number if it stays
+  IdVector<TetId, std::int32_t> place;  ///< the new number if it stays, or ~ its place in its destination's block
   std::size_t stay = 0;
 };
 
@@ -72,7 +72,7 @@ Leaving sort_out(const Comm& comm, const IdVector<TetId, Rank>& dest) {
     if (dest[t] == me) {
       l.place[t] = stay++;
     } else {
-      l.place[t] = static_cast<std::int32_t>(next[r] - l.offset[r]);
+      l.place[t] = ~static_cast<std::int32_t>(next[r] - l.offset[r]);
       l.tets[next[r]++] = t;
     }
   }
@@ -140,7 +140,7 @@ class Packer {
       if (f == kNoFace) {
         out.face[k] = is_hull(m.face_tag[t][k]) ? kOpen : kWasInterface;
       } else {
-        out.face[k] = dest_[face_tet(f)] == r ? 4 * leaving_.place[face_tet(f)] + face_side(f) : kOpen;
+        out.face[k] = dest_[face_tet(f)] == r ? 4 * ~leaving_.place[face_tet(f)] + face_side(f) : kOpen;
       }
     }
     out.tag = m.face_tag[t];
@@ -189,14 +189,27 @@ IdVector<VertId, VertId> close_vertex_gaps(DistMesh& dist, const IdVector<TetId,
   return old2new;
 }
 
+/// Appends the faces that are on the interface.
+void add_open_faces(const TetMesh& m, std::vector<FaceId>& faces) {
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (m.tet2face[t][k] == kNoFace && !is_hull(m.face_tag[t][k])) {
+        faces.push_back(make_face(t, static_cast<int>(k)));
+      }
+    }
+  }
+}
+
 /// Moves what stays to the front of all arrays, in place.
 Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leaving& leaving,
                  const std::vector<FeatureUse>& features, Rank me) {
   TetMesh& m = dist.mesh;
   Seams seams;
-  const auto old2new = close_vertex_gaps(dist, dest, leaving.tets.empty(), me);
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (dest[t] != me) continue;
+  const bool all_stay = leaving.tets.empty();
+  const auto old2new = close_vertex_gaps(dist, dest, all_stay, me);
+  if (all_stay) add_open_faces(m, seams.faces);
+  for (const TetId t : IdRange<TetId>(all_stay ? 0 : m.tet_slots())) {
+    if (leaving.place[t] < 0) continue;
     const TetId s{leaving.place[t]};
     m.tet2vert[s] = m.tet2vert[t];
     for (auto& v : m.tet2vert[s]) v = old2new[v];
@@ -207,7 +220,8 @@ Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leavin
       if (f == kNoFace) {
         if (!is_hull(m.face_tag[s][k])) seams.faces.push_back(make_face(s, static_cast<int>(k)));
       } else {
-        f = dest[face_tet(f)] == me ? make_face(TetId{leaving.place[face_tet(f)]}, face_side(f)) : kNoFace;
+        const std::int32_t to = leaving.place[face_tet(f)];
+        f = to >= 0 ? make_face(TetId{to}, face_side(f)) : kNoFace;
       }
       m.tet2face[s][k] = f;
     }
@@ -216,7 +230,7 @@ Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leavin
     const VertId v = old2new[dist.sharing.vert[i]];
     if (v != kNoVert) seams.verts.emplace_back(dist.sharing.gid[i], v);
   }
-  if (leaving.tets.empty()) return seams;
+  if (all_stay) return seams;
   FeatureEdges kept;
   auto it = std::lower_bound(features.begin(), features.end(), FeatureUse{me, 0});
   for (; it != features.end() && it->first == me; ++it) {
