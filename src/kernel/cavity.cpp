@@ -40,9 +40,8 @@ void Cavity::clear_new() noexcept {
 
 double Cavity::judge(VertId a, VertId b, VertId c, VertId d) const noexcept {
   const auto& x = part_->mesh.coords;
-  const auto& m = part_->metric.at;
   if (orient3d_sign(x[a], x[b], x[c], x[d]) <= 0) return 0;
-  return quality_cubed(x[a], x[b], x[c], x[d], m[a], m[b], m[c], m[d]);
+  return part_->quality_cubed(a, b, c, d);
 }
 
 bool Cavity::propose(VertId a, VertId b, VertId c, VertId d, std::int32_t ref, double floor_q3) {

@@ -163,12 +163,12 @@ void Collapser::move_features(VertId v, VertId u) {
   }
 }
 
-template <class Floor>
-bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Floor&& floor_of_old_min) {
+template <class Wanted, class Floor>
+bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Wanted&& wanted, Floor&& floor_of_old_min) {
   if (!may_leave(v, u)) return false;
   TetMesh& m = part_->mesh;
   cavity_->clear();
-  if (!gather_within(v, u, at, max_length)) return false;
+  if (!gather_within(v, u, at, max_length) || !wanted()) return false;
   const bool surface = m.has(v, kSurface);
   if (surface) {
     if (!facets_can_move(v, u)) return false;
@@ -190,11 +190,41 @@ bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Floor&&
 }
 
 bool Collapser::collapse(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
-  return attempt(v, u, at, max_length, [&](double old_min) { return std::min(floor_q3, 0.5 * old_min); });
+  const auto floor = [&](double old_min) { return std::min(floor_q3, 0.5 * old_min); };
+  return attempt(
+      v, u, at, max_length, [] { return true; }, floor);
 }
 
 bool Collapser::collapse_to_improve(VertId v, VertId u, TetId at, double max_length, double gain) {
-  return attempt(v, u, at, max_length, [&](double old_min) { return gain * old_min; });
+  return attempt(
+      v, u, at, max_length, [] { return true; }, [&](double old_min) { return gain * old_min; });
+}
+
+bool Collapser::relaxes(VertId v, VertId u, TetId at) {
+  Part& p = *part_;
+  if (!gather_shell(p.mesh, at, v, u, shell_)) return false;
+  const std::uint32_t stamp = ++p.vert_stamp;
+  p.vert_mark[v] = p.vert_mark[u] = stamp;
+  double was = p.strain(v, u), is = 0;
+  const auto goes = [&](VertId w) {
+    if (p.vert_mark[w] == stamp) return false;
+    p.vert_mark[w] = stamp;
+    was += p.strain(v, w);
+    return true;
+  };
+  for (int i = 0; i < shell_.ring_size(); ++i) goes(shell_.ring[static_cast<std::size_t>(i)]);
+  for (const TetId t : cavity_->old_tets()) {
+    for (const VertId w : p.mesh.tet2vert[t]) {
+      if (goes(w)) is += p.strain(u, w);
+    }
+  }
+  return is < was;
+}
+
+bool Collapser::collapse_to_relax(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
+  const auto floor = [&](double old_min) { return std::min(floor_q3, old_min); };
+  return attempt(
+      v, u, at, max_length, [&] { return relaxes(v, u, at); }, floor);
 }
 
 }  // namespace skein

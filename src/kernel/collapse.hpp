@@ -17,14 +17,19 @@ class Collapser {
   bool collapse(VertId v, VertId u, TetId at, double max_length, double floor_q3);
   /// The same, but only if the worst element of the ball gets better by the factor `gain` in Q^3.
   bool collapse_to_improve(VertId v, VertId u, TetId at, double max_length, double gain = 1.2);
+  /// The same, but only if the strain of the edges that go is more than that of those that come, and no element gets
+  /// worse that is below the floor.
+  bool collapse_to_relax(VertId v, VertId u, TetId at, double max_length, double floor_q3);
 
  private:
   struct Facet {
     VertId x, y;  ///< triangle (v, x, y), counter-clockwise from outside
     FaceTag tag;
   };
-  template <class Floor>
-  bool attempt(VertId v, VertId u, TetId at, double max_length, Floor&& floor_of_old_min);
+  template <class Wanted, class Floor>
+  bool attempt(VertId v, VertId u, TetId at, double max_length, Wanted&& wanted, Floor&& floor_of_old_min);
+  /// The edges from u have less strain than those from v, whose ball is in the cavity.
+  [[nodiscard]] bool relaxes(VertId v, VertId u, TetId at);
   [[nodiscard]] bool may_leave(VertId v, VertId u) const noexcept;
   void collect_facets(VertId v);
   [[nodiscard]] bool surface_allows(VertId v, VertId u);

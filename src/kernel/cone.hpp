@@ -37,6 +37,8 @@ class Cone {
   double judge(Vec3 x, const VertMetric& m);
   /// Of the i-th face added. @pre judge has been called since.
   [[nodiscard]] double q3(std::size_t i) const noexcept { return q3_[i / kLanes][i % kLanes]; }
+  /// In the place of what judge has found.
+  void set_q3(std::size_t i, double q3) noexcept { q3_[i / kLanes][i % kLanes] = q3; }
   /// Sum of 1/Q^3 after judge. @pre all of them are positive.
   [[nodiscard]] double sum_of_inverses() const noexcept;
 

@@ -9,9 +9,7 @@ namespace skein {
 
 double quality_cubed(const Part& p, TetId t) noexcept {
   const auto& v = p.mesh.tet2vert[t];
-  const auto& x = p.mesh.coords;
-  const auto& m = p.metric.at;
-  return quality_cubed(x[v[0]], x[v[1]], x[v[2]], x[v[3]], m[v[0]], m[v[1]], m[v[2]], m[v[3]]);
+  return p.quality_cubed(v[0], v[1], v[2], v[3]);
 }
 
 void prepare(Part& p) {

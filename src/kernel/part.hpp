@@ -82,6 +82,7 @@ struct Part {
   const SpacingField* spacing = nullptr;  ///< not owned; intersected into the metric of every new vertex
   KernelOptions options;
   OperationCounts counts;
+  bool careful = false;  ///< elements are judged by least_quality_cubed
 
   // Kept by Cavity and the operators.
   IdVector<TetId, float> q3;                ///< quality_cubed of every tetrahedron
@@ -99,6 +100,7 @@ struct Part {
   [[nodiscard]] double length(VertId a, VertId b) const noexcept {
     return edge_length(metric.at[a].m, metric.at[b].m, x(b) - x(a));
   }
+  [[nodiscard]] double strain(VertId a, VertId b) const noexcept { return skein::strain(length(a, b)); }
   /// length(a, b) < l, mostly without a root.
   [[nodiscard]] bool is_shorter(VertId a, VertId b, double l) const noexcept {
     const Vec3 d = x(b) - x(a);
@@ -128,6 +130,13 @@ struct Part {
                classify(v[static_cast<std::size_t>(kEdgeVerts[e][0])], v[static_cast<std::size_t>(kEdgeVerts[e][1])]));
     }
     return bits;
+  }
+  /// Q^3 of (a, b, c, d), carefully if that is wanted.
+  [[nodiscard]] double quality_cubed(VertId a, VertId b, VertId c, VertId d) const noexcept {
+    const auto& y = mesh.coords;
+    const auto& m = metric.at;
+    if (careful) return least_quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
+    return skein::quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
   }
   /// A vertex of t has one of these flags.
   [[nodiscard]] bool has_any(TetId t, std::uint8_t flags) const noexcept {

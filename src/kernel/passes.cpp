@@ -38,6 +38,9 @@ constexpr int kHuntTurns = 8, kHuntTries = 3, kLengthTurns = 4;
 constexpr std::array<double, 5> kOtherPlaces{0.5, 0.35, 0.65, 0.2, 0.8};
 /// What another round shall look at if frozen vertices were in the way of this one.
 constexpr double kBadQuality = 0.3, kBadLong = 2, kBadShort = 0.4;
+constexpr double kVeryPoor = 0.35;               ///< quality below which steps along axes are tried
+constexpr double kRelaxFloor = 0.4 * 0.4 * 0.4;  ///< Q^3 below which no element gets worse when edges are relaxed
+constexpr int kRelaxTurns = 4;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
 constexpr double cube(double q) noexcept { return q * q * q; }
@@ -70,6 +73,12 @@ class Passes {
   /// Works on the elements below `target` with every operator, accepting only what makes the worst element better,
   /// until none can be improved.
   void hunt_worst(double target);
+  /// Share of the elements that are below this quality.
+  [[nodiscard]] double share_below(double quality) const;
+  /// From now on elements are judged carefully, or no longer.
+  void judge_carefully(bool careful);
+  /// Makes edges that are too long or too short fewer by every operator that lessens the strain round them.
+  void relax();
   /// Counts what is still below `target`, by what holds it (OperationCounts).
   void count_poor(double target);
   /// kHeld on the vertices of what is far from what was wanted and has a frozen or idle vertex next to it, as another
@@ -103,6 +112,8 @@ class Passes {
   [[nodiscard]] bool is_bad(TetId t) const noexcept;
   /// Not all vertices of the tetrahedra at those of t can be worked with.
   [[nodiscard]] bool is_confined(TetId t);
+  bool move_along_axes_in(TetId t);
+  bool relax_edge(TetId t, VertId a, VertId b);
 
   Part& part_;
   Cavity cavity_;
@@ -354,6 +365,67 @@ void Passes::hunt_lengths(const LengthHunt& hunt) {
   part_.options = strict;
 }
 
+bool Passes::move_along_axes_in(TetId t) {
+  if (!part_.careful || part_.q3[t] >= static_cast<float>(cube(kVeryPoor))) return false;
+  const auto tv = part_.mesh.tet2vert[t];
+  bool moved = false;
+  for (const VertId v : tv) moved = (part_.mesh.has(v, kActive) && smooth_.move_along_axes(v)) || moved;
+  return moved;
+}
+
+double Passes::share_below(double quality) const {
+  const auto limit = static_cast<float>(cube(quality));
+  std::size_t live = 0, poor = 0;
+  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
+    if (!part_.mesh.is_live(t)) continue;
+    ++live;
+    poor += part_.q3[t] < limit ? 1 : 0;
+  }
+  return live == 0 ? 0 : static_cast<double>(poor) / static_cast<double>(live);
+}
+
+void Passes::judge_carefully(bool careful) {
+  part_.careful = careful;
+  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
+    if (part_.mesh.is_live(t)) part_.q3[t] = static_cast<float>(quality_cubed(part_, t));
+  }
+}
+
+bool Passes::relax_edge(TetId t, VertId a, VertId b) {
+  constexpr double kLongest = 1.8;
+  if (!part_.mesh.has(a, kActive) && !part_.mesh.has(b, kActive)) return false;
+  if (part_.length(a, b) < 1 && (collapse_.collapse_to_relax(a, b, t, kLongest, kRelaxFloor) ||
+                                 collapse_.collapse_to_relax(b, a, t, kLongest, kRelaxFloor))) {
+    return true;
+  }
+  if (swap_.edge_to_relax(t, a, b, kRelaxFloor)) return true;
+  const bool moved = part_.mesh.has(a, kActive) && smooth_.move_to_relax(a, kRelaxFloor);
+  return (part_.mesh.has(b, kActive) && smooth_.move_to_relax(b, kRelaxFloor)) || moved;
+}
+
+void Passes::relax() {
+  for (int turn = 0; turn < kRelaxTurns; ++turn) {
+    bool any = false;
+    forget_refused();
+    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
+      const auto t = to_id<TetId>(i);
+      const unsigned mask =
+          (part_.edges[t].may_be_long | part_.edges[t].may_be_short) & ~static_cast<unsigned>(part_.refused[t]);
+      if (mask == 0 || !part_.mesh.is_live(t) || !part_.active(t)) continue;
+      const auto v = part_.mesh.tet2vert[t];
+      bool done = false;
+      measure(part_, v, mask, [&](std::size_t, VertId a, VertId b, double la, double lb) {
+        const double l = log_mean(la, lb);
+        if (done || (l >= part_.options.collapse_below && l <= part_.options.split_above)) return;
+        done = relax_edge(t, a, b);
+        if (!done && gather_shell(part_.mesh, t, a, b, shell_)) mark_refused(part_, shell_);
+      });
+      any = any || done;
+    }
+    if (!any) return;
+  }
+}
+
 void Passes::count_poor(double target) {
   const auto limit = static_cast<float>(cube(target));
   for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
@@ -410,7 +482,7 @@ void Passes::hunt_worst(double target) {
     for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
       const auto t = to_id<TetId>(i);
       if (part_.q3[t] >= limit || !part_.mesh.is_live(t) || !part_.active(t)) continue;
-      if (swap_in(t) || smooth_in(t) || remove_vertex_in(t)) ++done;
+      if (swap_in(t) || smooth_in(t) || move_along_axes_in(t) || remove_vertex_in(t)) ++done;
     }
     if (done == 0) return;
   }
@@ -425,6 +497,9 @@ struct Care {
   double swap;     ///< elements below this quality are swapped
   double stretch;  ///< times split_above: the longest edge that removing a vertex may leave to be split again
 };
+/// A mesh with more poor elements than this after the main turns has a metric that turns within its elements (17 %
+/// where h = 0.001 across a cylinder and 0.1 along it, below 3 % everywhere else): its edges are relaxed.
+constexpr double kHardShare = 0.05;
 constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
 constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
 constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
@@ -448,13 +523,25 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
     changed += pass.create_points();
     if (i + 1 >= o.least_turns && kSettled * changed <= verts()) break;
   }
-  pass.hunt_lengths(kFar);
+  const bool hard = pass.share_below(kPoor) > kHardShare;
+  if (hard) {
+    pass.judge_carefully(true);
+    pass.relax();
+  }
+  if (!hard) pass.hunt_lengths(kFar);
   pass.swap_below(care.swap);
   pass.smooth_below(0.75);
-  pass.hunt_lengths(kFar);
+  if (!hard) pass.hunt_lengths(kFar);
   pass.hunt_worst(kPoor);
-  pass.hunt_lengths(kVeryFar);
+  if (!hard) pass.hunt_lengths(kVeryFar);
   pass.hunt_worst(0.4);
+  if (hard) {
+    for (int i = 0; i < 2; ++i) {
+      pass.relax();
+      pass.hunt_worst(0.4);
+    }
+    pass.judge_carefully(false);
+  }
   pass.count_poor(kPoor);
   pass.mark_held();
   return std::move(pass.old2new());

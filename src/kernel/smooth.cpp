@@ -22,6 +22,22 @@ bool solve3(const SymTensor& h, Vec3 g, Vec3& s) noexcept {
   return true;
 }
 
+/// The same in the plane or along the line of freedom, too; zero where h is not positive.
+Vec3 minimum(const SymTensor& h, Vec3 g, int dims, Vec3 t0, Vec3 t1) noexcept {
+  Vec3 step;
+  if (dims == 1) {
+    const double hh = dot(t0, mul(h, t0));
+    return hh > 0 ? (-dot(g, t0) / hh) * t0 : step;
+  }
+  if (dims == 2) {
+    const double h00 = dot(t0, mul(h, t0)), h01 = dot(t0, mul(h, t1)), h11 = dot(t1, mul(h, t1));
+    const double g0 = dot(g, t0), g1 = dot(g, t1), d = h00 * h11 - h01 * h01;
+    if (!(h00 > 0) || !(d > 0)) return step;
+    return (-(h11 * g0 - h01 * g1) / d) * t0 + (-(h00 * g1 - h01 * g0) / d) * t1;
+  }
+  return solve3(h, g, step) ? step : Vec3{};
+}
+
 }  // namespace
 
 bool Smoother::freedom(VertId v, Freedom& free) {
@@ -81,22 +97,8 @@ Vec3 Smoother::newton_step(VertId v, const Freedom& free, double& gain) {
   gain = 0;
   const Cone::Newton n = cone_.newton(part_->x(v), part_->metric.at[v].m);
   if (!n.valid) return {};
-  const Vec3 g = n.gradient;
-  const SymTensor& h = n.hessian;
-  Vec3 step;
-  if (free.dims == 1) {
-    const double hh = dot(free.t0, mul(h, free.t0));
-    if (hh > 0) step = (-dot(g, free.t0) / hh) * free.t0;
-  } else if (free.dims == 2) {
-    const double h00 = dot(free.t0, mul(h, free.t0)), h01 = dot(free.t0, mul(h, free.t1)),
-                 h11 = dot(free.t1, mul(h, free.t1));
-    const double g0 = dot(g, free.t0), g1 = dot(g, free.t1), d = h00 * h11 - h01 * h01;
-    if (!(h00 > 0) || !(d > 0)) return {};
-    step = (-(h11 * g0 - h01 * g1) / d) * free.t0 + (-(h00 * g1 - h01 * g0) / d) * free.t1;
-  } else if (!solve3(h, g, step)) {
-    return {};
-  }
-  gain = -0.5 * dot(g, step) / n.value;
+  const Vec3 step = minimum(n.hessian, n.gradient, free.dims, free.t0, free.t1);
+  gain = -0.5 * dot(n.gradient, step) / n.value;
   return step;
 }
 
@@ -133,12 +135,11 @@ bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
   return true;
 }
 
-void Smoother::mark_changed(VertId v) {
+std::size_t Smoother::list_link(VertId v) {
   Part& p = *part_;
   if (link_.size() < 4 * ball_.size()) link_.resize(4 * ball_.size());
   const std::uint32_t stamp = ++p.vert_stamp;
   p.vert_mark[v] = stamp;
-  p.edge_class[v] = 0;
   std::size_t n = 0;
   for (const FaceId f : ball_) {
     for (const VertId w : p.mesh.tet2vert[face_tet(f)]) {
@@ -147,6 +148,13 @@ void Smoother::mark_changed(VertId v) {
       p.vert_mark[w] = stamp;
     }
   }
+  return n;
+}
+
+void Smoother::mark_changed(VertId v) {
+  Part& p = *part_;
+  const std::size_t n = list_link(v);
+  p.edge_class[v] = 0;
   unsigned any = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint8_t bits = p.classify(v, link_[i]);
@@ -166,19 +174,38 @@ void Smoother::mark_changed(VertId v) {
   }
 }
 
+double Smoother::judge(Vec3 x, const VertMetric& m, double bound) {
+  double low = cone_.judge(x, m);
+  if (!part_->careful || !(low > 0) || low < bound) return low;
+  for (std::size_t i = 0; i < ball_.size() && low >= bound; ++i) {
+    const auto k = face_verts(part_->mesh, ball_[i]);
+    const auto& y = part_->mesh.coords;
+    const auto& n = part_->metric.at;
+    const double q = least_quality_cubed(x, y[k[0]], y[k[1]], y[k[2]], m, n[k[0]], n[k[1]], n[k[2]]);
+    cone_.set_q3(i, q);
+    low = std::min(low, q);
+  }
+  return low;
+}
+
+void Smoother::place(VertId v, Vec3 x, const VertMetric& m, const SymTensor& log_m) {
+  part_->mesh.coords[v] = x;
+  part_->metric.at[v] = m;
+  part_->metric.log_at[v] = log_m;
+  mark_changed(v);
+  ++part_->counts.smooth;
+}
+
 bool Smoother::attempt(VertId v, Vec3 step, double old_sum, double old_min) {
   Part& p = *part_;
   SymTensor log_m;
   if (!interpolate(v, step, log_m)) return false;
   const Vec3 x = p.x(v) + step;
   const VertMetric m = vert_metric_from_log(log_m);
-  const double low = cone_.judge(x, m);
   constexpr double kGood = 0.5 * 0.5 * 0.5;
-  if (!(low > 0) || low < std::min(old_min, kGood) || cone_.sum_of_inverses() >= 0.995 * old_sum) return false;
-  p.mesh.coords[v] = x;
-  p.metric.at[v] = m;
-  p.metric.log_at[v] = log_m;
-  mark_changed(v);
+  const double bound = std::min(old_min, kGood), low = judge(x, m, bound);
+  if (!(low > 0) || low < bound || cone_.sum_of_inverses() >= 0.995 * old_sum) return false;
+  place(v, x, m, log_m);
   return true;
 }
 
@@ -240,35 +267,112 @@ bool Smoother::find_ball(VertId v) {
   return true;
 }
 
-bool Smoother::move(VertId v, int tries) {
+bool Smoother::gather(VertId v, Ball& ball) {
   Part& p = *part_;
-  if (p.mesh.has(v, kFrozen | kCorner | kRequired) || !find_ball(v)) return false;
-  Freedom free;
-  if (!freedom(v, free)) return false;
+  if (p.mesh.has(v, kFrozen | kCorner | kRequired) || !find_ball(v) || !freedom(v, ball.free)) return false;
   cone_.clear();
-  double sum = 0, low = 1;
   for (const FaceId f : ball_) {
     const auto k = face_verts(p.mesh, f);
     cone_.add(p, k[0], k[1], k[2]);
     const double q = p.q3[face_tet(f)];
-    sum += 1 / std::max(q, 1e-30);
-    low = std::min(low, q);
+    ball.sum += 1 / std::max(q, 1e-30);
+    ball.low = std::min(ball.low, q);
   }
+  return true;
+}
+
+bool Smoother::move(VertId v, int tries) {
+  const Part& p = *part_;
+  Ball ball;
+  if (!gather(v, ball)) return false;
   double gain = 1;
-  Vec3 step = p.options.springs ? spring_step(v, free) : newton_step(v, free, gain);
+  Vec3 step = p.options.springs ? spring_step(v, ball.free) : newton_step(v, ball.free, gain);
   if (!(gain > kSmallestGain) || !is_finite(step)) return false;
   // The step may not jump out of the ball: at most the size of an element.
   const double length2 = quad(p.metric.at[v].m, step);
   if (length2 < 1e-4) return false;
   if (length2 > 0.25) step = (0.5 / std::sqrt(length2)) * step;
   for (int i = 0; i < tries; ++i) {
-    if (attempt(v, step, sum, low)) {
-      ++p.counts.smooth;
-      return true;
-    }
+    if (attempt(v, step, ball.sum, ball.low)) return true;
     step = 0.4 * step;
   }
   return false;
+}
+
+Vec3 Smoother::relaxing_step(VertId v, std::size_t links, const Freedom& free, double& strain_sum) const {
+  const Part& p = *part_;
+  const SymTensor& m = p.metric.at[v].m;
+  SymTensor h = 0.02 * m;  // where few edges pull, the step stays small
+  Vec3 g;
+  for (std::size_t i = 0; i < links; ++i) {
+    const Vec3 d = p.x(v) - p.x(link_[i]), da = mul(m, d), db = mul(p.metric.at[link_[i]].m, d);
+    const double qa = dot(d, da), qb = dot(d, db), l = log_mean(std::sqrt(qa), std::sqrt(qb));
+    strain_sum += strain(l);
+    const double r = std::log(l), u = 2 * std::log2(l), weight = 0.05 + std::min(u * u * u * u, 4.0);
+    const Vec3 n = (0.5 / qa) * da + (0.5 / qb) * db;  // gradient of log(l), nearly
+    g += (weight * r) * n;
+    h = h + weight * SymTensor{n.x * n.x, n.x * n.y, n.y * n.y, n.x * n.z, n.y * n.z, n.z * n.z};
+  }
+  return minimum(h, g, free.dims, free.t0, free.t1);
+}
+
+bool Smoother::move_to_relax(VertId v, double floor_q3) {
+  constexpr double kShape = 0.005;  ///< strain that 1/Q^3 of an element counts as
+  constexpr double kLeast = 0.01;   ///< strain that a move must take away
+  Ball ball;
+  if (!gather(v, ball)) return false;
+  const Part& p = *part_;
+  const std::size_t links = list_link(v);
+  double was = kShape * ball.sum;
+  const Vec3 x = p.x(v);
+  Vec3 step = relaxing_step(v, links, ball.free, was);
+  if (!is_finite(step)) return false;
+  const double length2 = quad(p.metric.at[v].m, step);
+  if (length2 > 0.25) step = (0.5 / std::sqrt(length2)) * step;
+  for (int i = 0; i < 3; ++i, step = 0.5 * step) {
+    SymTensor log_m;
+    if (!interpolate(v, step, log_m)) continue;
+    const VertMetric m = vert_metric_from_log(log_m);
+    const double bound = std::min(ball.low, floor_q3), low = judge(x + step, m, bound);
+    if (!(low > 0) || low < bound) continue;
+    double is = kShape * cone_.sum_of_inverses();
+    for (std::size_t k = 0; k < links; ++k) {
+      is += strain(edge_length(m.m, p.metric.at[link_[k]].m, x + step - p.x(link_[k])));
+    }
+    if (is > was - kLeast) continue;
+    place(v, x + step, m, log_m);
+    return true;
+  }
+  return false;
+}
+
+bool Smoother::move_along_axes(VertId v) {
+  Ball ball;
+  if (!gather(v, ball)) return false;
+  const Part& p = *part_;
+  const Vec3 x = p.x(v);
+  const SymTensor root = exp(-0.5 * p.metric.log_at[v]);  // its columns have length 1
+  const Freedom& free = ball.free;
+  Vec3 best;
+  SymTensor best_log;
+  double best_low = 1.05 * ball.low;
+  for (const Vec3& column :
+       {Vec3{root.xx, root.xy, root.xz}, Vec3{root.xy, root.yy, root.yz}, Vec3{root.xz, root.yz, root.zz}}) {
+    Vec3 axis = column;
+    if (free.dims < 3) axis = dot(column, free.t0) * free.t0;
+    if (free.dims == 2) axis += dot(column, free.t1) * free.t1;
+    for (const double size : {0.25, -0.25, 0.1, -0.1, 0.04, -0.04}) {
+      SymTensor log_m;
+      if (!interpolate(v, size * axis, log_m)) continue;
+      const double low = judge(x + size * axis, vert_metric_from_log(log_m), best_low);
+      if (low > best_low) best_low = low, best = size * axis, best_log = log_m;
+    }
+  }
+  if (!(dot(best, best) > 0)) return false;
+  const VertMetric m = vert_metric_from_log(best_log);
+  judge(x + best, m, 0);
+  place(v, x + best, m, best_log);
+  return true;
 }
 
 }  // namespace skein

@@ -19,6 +19,12 @@ class Smoother {
   explicit Smoother(Part& part) : part_(&part) {}
   /// Tries the full step, then up to tries - 1 shorter ones; in a converged mesh these hardly ever help.
   bool move(VertId v, int tries = 1);
+  /// Moves v so that the strain of its edges becomes less: Gauss-Newton on the logarithms of their lengths, led by
+  /// those that are farthest from 1. No element gets worse that is below the floor.
+  bool move_to_relax(VertId v, double floor_q3);
+  /// Tries steps along the axes of the metric and takes the one with the best worst element. For where the metric turns
+  /// within an element, and the model of move(), whose metric is constant, points elsewhere.
+  bool move_along_axes(VertId v);
   /// Makes the balls of all vertices at once, for many moves of a mesh whose topology does not change until drop_index.
   void index_balls();
   void drop_index() noexcept;
@@ -34,6 +40,20 @@ class Smoother {
     Vec3 t0, t1;  ///< orthonormal directions of the plane or line
   };
   bool freedom(VertId v, Freedom& f);
+  /// The elements at a vertex.
+  struct Ball {
+    double sum = 0, low = 1;  ///< of 1/Q^3; the least Q^3
+    Freedom free;
+  };
+  /// Ball and cone of v; false if it may not move.
+  bool gather(VertId v, Ball& ball);
+  /// Q^3 of the ball with its vertex at x (Cone::judge), carefully if that is wanted. What is below the
+  /// bound may be less still.
+  double judge(Vec3 x, const VertMetric& m, double bound);
+  void place(VertId v, Vec3 x, const VertMetric& m, const SymTensor& log_m);
+  /// Lists the neighbours of v in link_; returns how many.
+  std::size_t list_link(VertId v);
+  [[nodiscard]] Vec3 relaxing_step(VertId v, std::size_t links, const Freedom& free, double& strain) const;
   /// `gain`: the relative decrease of the sum that the step promises.
   [[nodiscard]] Vec3 newton_step(VertId v, const Freedom& f, double& gain);
   /// Towards where springs of metric length 1 along the edges at v are in balance (the chapter's mesh cosmetics).

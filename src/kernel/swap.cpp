@@ -31,15 +31,18 @@ bool Swapper::surface_swap_allowed() {
   return height <= part_->options.surface_deviation * std::min(norm(e), norm(x1 - x0));
 }
 
+bool Swapper::may_connect(int i, int j) const noexcept {
+  if (j - i < 2 || (shell_.closed && j - i == shell_.n - 1)) return true;
+  return part_->strain(shell_.ring[u(i)], shell_.ring[u(j)]) < max_strain_;
+}
+
 double Swapper::best_triangulation(int ring) {
-  const auto& x = part_->mesh.coords;
-  const auto& m = part_->metric.at;
   const VertId a = shell_.a, b = shell_.b;
   const auto q = [&](int i, int j, int k) {
     const VertId p = shell_.ring[u(i)], r = shell_.ring[u(j)], s = shell_.ring[u(k)];
-    const double top = quality_cubed(x[p], x[r], x[s], x[b], m[p], m[r], m[s], m[b]);
+    const double top = part_->quality_cubed(p, r, s, b);
     if (top <= bound_) return top;
-    return std::min(top, quality_cubed(x[p], x[s], x[r], x[a], m[p], m[s], m[r], m[a]));
+    return std::min(top, part_->quality_cubed(p, s, r, a));
   };
   for (int i = 0; i + 1 < ring; ++i) best_[u(i)][u(i + 1)] = 1;
   for (int len = 2; len < ring; ++len) {
@@ -50,6 +53,7 @@ double Swapper::best_triangulation(int ring) {
       for (int k = i + 1; k < j; ++k) {
         const double sides = std::min(best_[u(i)][u(k)], best_[u(k)][u(j)]);
         if (sides <= std::max(best, bound_)) continue;
+        if (max_strain_ < kAnyStrain && !(may_connect(i, k) && may_connect(k, j))) continue;
         const double w = std::min(sides, q(i, k, j));
         if (w > best) {
           best = w;
@@ -86,20 +90,25 @@ void Swapper::swap_with_walls(int ring) {
   cavity_->commit();
 }
 
-bool Swapper::edge(TetId t, VertId a, VertId b, int max_ring, double gain) {
-  TetMesh& m = part_->mesh;
+bool Swapper::gather(TetId t, VertId a, VertId b, int max_ring) {
+  const TetMesh& m = part_->mesh;
   if (m.has(a, kFrozen) && m.has(b, kFrozen)) return false;
   if (!gather_shell(m, t, a, b, shell_, max_ring) || shell_.on_interface) return false;
   const int ring = shell_.ring_size();
   if (ring > max_ring || ring < 3) return false;
   const int tagged = shell_.tagged_faces();
   if (shell_.closed ? tagged != 0 : tagged != 2) return false;
-  if (!shell_.closed && !surface_swap_allowed()) return false;
+  return shell_.closed || surface_swap_allowed();
+}
+
+double Swapper::worst_of_shell() const noexcept {
   float worst = 1;
-  for (int i = 0; i < shell_.n; ++i) {
-    worst = std::min(worst, part_->q3[shell_.tet[u(i)]]);
-  }
-  bound_ = std::max(gain * static_cast<double>(worst), 1e-15);
+  for (int i = 0; i < shell_.n; ++i) worst = std::min(worst, part_->q3[shell_.tet[u(i)]]);
+  return worst;
+}
+
+bool Swapper::make() {
+  const int ring = shell_.ring_size();
   if (best_triangulation(ring) <= bound_) return false;
   triangles_.clear();
   if (!list_triangles(0, ring - 1)) return false;
@@ -112,6 +121,23 @@ bool Swapper::edge(TetId t, VertId a, VertId b, int max_ring, double gain) {
   }
   ++part_->counts.swap;
   return true;
+}
+
+bool Swapper::edge(TetId t, VertId a, VertId b, int max_ring, double gain) {
+  if (!gather(t, a, b, max_ring)) return false;
+  bound_ = std::max(gain * worst_of_shell(), 1e-15);
+  return make();
+}
+
+bool Swapper::edge_to_relax(TetId t, VertId a, VertId b, double floor_q3) {
+  if (!gather(t, a, b, kMaxRing)) return false;
+  bound_ = std::max(0.99 * std::min(worst_of_shell(), floor_q3), 1e-15);
+  const int made = shell_.ring_size() - (shell_.closed ? 3 : 2);
+  max_strain_ = 0.95 * part_->strain(a, b) / std::max(made, 1);
+  const bool allowed = shell_.closed || may_connect(0, shell_.n);
+  const bool done = allowed && make();
+  max_strain_ = kAnyStrain;
+  return done;
 }
 
 bool Swapper::face(FaceId f, double gain) {

@@ -17,13 +17,23 @@ class Swapper {
   /// new element as good as can be), if that is better than the shell by the factor `gain` in Q^3. Surface edges inside
   /// one flat patch are swapped with their surface triangles. Not more than `max_ring` vertices round the edge.
   bool edge(TetId t, VertId a, VertId b, int max_ring = kMaxRing, double gain = 1.05);
+  /// The same for an edge that is too long or too short: the new ones together have less strain, and no element is
+  /// worse that is below the floor.
+  bool edge_to_relax(TetId t, VertId a, VertId b, double floor_q3);
   /// Replaces the two tetrahedra at a face by three round a new edge, if that is better.
   bool face(FaceId f, double gain = 1.05);
   /// Of the edge that was tried last; cut off where it was too large.
   [[nodiscard]] const Shell& shell() const noexcept { return shell_; }
 
  private:
+  /// Gathers the shell; false if the edge must stay.
+  bool gather(TetId t, VertId a, VertId b, int max_ring);
+  [[nodiscard]] double worst_of_shell() const noexcept;
+  /// Swaps the gathered edge if all that is made is better than bound_.
+  bool make();
   bool surface_swap_allowed();
+  /// The edge between two ring vertices exists already, or has not more strain than max_strain_.
+  [[nodiscard]] bool may_connect(int i, int j) const noexcept;
   double best_triangulation(int ring);
   /// Lists the triangles of the polygon between ring vertices i and j; false if one of their tetrahedra is not good
   /// enough after all.
@@ -38,6 +48,8 @@ class Swapper {
   std::array<std::array<int, kMaxRing>, kMaxRing> split_;
   std::vector<RingTriangle> triangles_;
   double bound_ = 0;
+  double max_strain_ = kAnyStrain;
+  static constexpr double kAnyStrain = 1e300;
 };
 
 }  // namespace skein

@@ -46,6 +46,24 @@ inline double quality_cubed(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const VertMetric
   constexpr double kScale = 36.0 * 36.0 * 36.0 / 3.0;
   return kScale * v * std::abs(v) / (s * s * s);
 }
+/// The least Q^3 that any of the vertex metrics gives whose determinant is near the largest. Where a metric turns
+/// within an element they differ much, and which determinant is the largest may hang on an error of interpolation.
+inline double least_quality_cubed(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const VertMetric& m0, const VertMetric& m1,
+                                  const VertMetric& m2, const VertMetric& m3) noexcept {
+  constexpr double kNear = 0.7;  ///< of sqrt(det): sizes that are wrong by a tenth in each direction
+  const double most = std::max(std::max(m0.sqrt_det, m1.sqrt_det), std::max(m2.sqrt_det, m3.sqrt_det));
+  double least = 1;
+  for (const VertMetric* m : {&m0, &m1, &m2, &m3}) {
+    if (m->sqrt_det >= kNear * most) least = std::min(least, quality_cubed(x0, x1, x2, x3, *m, *m, *m, *m));
+  }
+  return least;
+}
+/// How far an edge is from unit length: below 0.1 for unit edges, above 1 for all others, and smooth in between, so
+/// that the sum over some edges tells first of all how many are too long or too short.
+inline double strain(double length) noexcept {
+  const double u = 2 * std::log2(std::max(length, 1e-9)), u2 = u * u;
+  return u2 <= 1 ? 0.1 * u2 * u2 : 0.9 + 0.1 * u2;
+}
 /// Q itself (0 for inverted or flat).
 inline double quality(double cubed) noexcept { return cubed > 0 ? std::cbrt(cubed) : 0; }
 

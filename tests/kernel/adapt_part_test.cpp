@@ -255,6 +255,36 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
   }
 }
 
+/// Thin across a cylinder about the z axis, of size 0.2 along it: an edge of that length spans ten layers.
+struct LayerMetric {
+  [[nodiscard]] SymTensor log_at(Vec3 x) const noexcept {
+    const double r = std::max(std::hypot(x.x, x.y), 1e-12), c = x.x / r, s = x.y / r;
+    Eigen e;
+    e.vector = {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}};
+    e.value = {-2 * std::log(0.004 + 0.392 * std::abs(r - 0.5)), -2 * std::log(0.2), -2 * std::log(0.2)};
+    return compose(e);
+  }
+};
+
+TEST(AdaptPart, FitsAMetricThatTurnsWithinItsElements) {
+  const LayerMetric metric;
+  Part p;
+  p.mesh = make_mesh({.n = 3});
+  const Measures before = measure(p.mesh);
+  for (int pass = 0; pass < 6; ++pass) {
+    p.metric = metric_field(p.mesh.coords, metric);
+    prepare(p);
+    adapt_part(p);
+    EXPECT_FALSE(p.careful);
+    EXPECT_EQ(judge(p), "");
+    EXPECT_EQ(differ(before, measure(p.mesh), 1e-12), "");
+    compact(p);
+  }
+  p.metric = metric_field(p.mesh.coords, metric);
+  const Fit f = fit(p);
+  EXPECT_GT(f.unit_share, 0.93) << f.worst << ' ' << f.tets;
+}
+
 TEST(AdaptPart, WithoutActiveVerticesNothingChanges) {
   std::mt19937 random(3);
   Part p = make_part({.n = 4, .perturb = 0.2}, random_smooth_metric(random, 0.1, 0.3, 1));

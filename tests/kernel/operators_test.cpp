@@ -4,6 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "kernel/collapse.hpp"
 #include "kernel/insert.hpp"
@@ -82,7 +83,7 @@ class Bench {
     const auto& e = kEdgeVerts[random_() % 6];
     VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
     if (random_() % 2 == 0) std::swap(a, b);
-    switch (random_() % 8) {
+    switch (random_() % 10) {
       case 0:
       case 1:
         return on_edge(t, a, b);
@@ -95,6 +96,10 @@ class Bench {
         return edge_swap(t, a, b);
       case 6:
         return face_swap(make_face(t, static_cast<int>(random_() % 4)));
+      case 7:
+        return relax(t, a, b, static_cast<int>(random_() % 3));
+      case 8:
+        return along_axes(a);
       default:
         return move(a);
     }
@@ -256,6 +261,52 @@ class Bench {
       return say("move", fmt::format("worst quality from {} to {}", std::cbrt(c.old_min), std::cbrt(c.new_min)));
     }
     return {};
+  }
+
+  struct Strain {
+    double edges = 0, shape = 0;  ///< summed over edges; 1/Q^3 over elements
+  };
+  static Strain strain_of(const TetMesh& mesh, const MetricField& metric) {
+    Strain out;
+    std::set<std::pair<VertId, VertId>> edges;
+    const auto& m = metric.at;
+    const auto& x = mesh.coords;
+    for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
+      if (!mesh.is_live(t)) continue;
+      const auto& v = mesh.tet2vert[t];
+      out.shape += 1 / quality_cubed(x[v[0]], x[v[1]], x[v[2]], x[v[3]], m[v[0]], m[v[1]], m[v[2]], m[v[3]]);
+      for (const auto& e : kEdgeVerts) {
+        edges.insert(std::minmax(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]));
+      }
+    }
+    for (const auto& [a, b] : edges) out.edges += strain(edge_length(metric, a, b, x[a], x[b]));
+    return out;
+  }
+  /// One of the operators that relax edges.
+  std::string relax(TetId t, VertId a, VertId b, int which) {
+    const Snapshot before(part_);
+    const double floor_q3 = any(0, 0.3), max_length = any(1, 3);
+    const bool on_surface = part_.mesh.has(a, kSurface);
+    const bool did = which == 0   ? collapse_.collapse_to_relax(a, b, t, max_length, floor_q3)
+                     : which == 1 ? swap_.edge_to_relax(t, a, b, floor_q3)
+                                  : smooth_.move_to_relax(a, floor_q3);
+    const VertId moved = which == 2 ? a : kNoVert;
+    if (auto fault = verdict(before, did, on_surface, moved); !fault.empty()) return say("relax", fault);
+    if (!did) return {};
+    const Change c = change(before, part_, moved);
+    if (!(c.new_min >= 0.99 * std::min(c.old_min, floor_q3) * (1 - 1e-6))) return say("relax", "below the floor");
+    const Strain was = strain_of(before.mesh, before.metric), is = strain_of(part_.mesh, part_.metric);
+    const double shape = which == 2 ? 0.005 : 0;
+    const bool less = is.edges + shape * is.shape < (was.edges + shape * was.shape) * (1 + 1e-4);
+    return less ? "" : say("relax", fmt::format("strain from {} to {} by operator {}", was.edges, is.edges, which));
+  }
+  std::string along_axes(VertId v) {
+    const Snapshot before(part_);
+    const bool did = smooth_.move_along_axes(v);
+    if (auto fault = verdict(before, did, part_.mesh.has(v, kRidge), v); !fault.empty()) return say("axes", fault);
+    if (!did) return {};
+    const Change c = change(before, part_, v);
+    return c.new_min > 1.04 * c.old_min ? "" : say("axes", "the worst element did not get better");
   }
 
   std::mt19937 random_;
