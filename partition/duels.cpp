@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "partition/add_up.hpp"
 #include "partition/rendezvous.hpp"
 
 namespace skein {
@@ -55,24 +56,12 @@ std::int32_t Duels::half_of(Vec3 x) const noexcept { return halved_ && parts_of(
 void Duels::count(const Comm& comm, const DistMesh& dist, const std::vector<char>& wanted) {
   const Sharing& s = dist.sharing;
   const auto key = [](const Duel& d) { return std::tuple(d.a, d.b, d.half); };
-  const auto join = [&](std::vector<Duel>& duels) {  // adds up what is the same
-    std::sort(duels.begin(), duels.end(), [&](const Duel& x, const Duel& y) { return key(x) < key(y); });
-    std::size_t n = 0;
-    for (const Duel& d : duels) {
-      if (n > 0 && key(duels[n - 1]) == key(d)) {
-        duels[n - 1].verts += d.verts;
-      } else {
-        duels[n++] = d;
-      }
-    }
-    duels.resize(n);
-  };
   std::vector<Duel> own;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (wanted[i] == 0 || s.others(i).size() != 1 || !s.owned(i, self_)) continue;
     own.push_back({self_, s.others(i).front(), half_of(dist.mesh.coords[s.vert[i]]), 0, 1});
   }
-  join(own);
+  add_up(own, key, &Duel::verts);
   duels_ = comm.all_gather(own);
   std::vector<char> fights(static_cast<std::size_t>(comm.size()), 0);
   std::size_t pairs = 0;
@@ -85,7 +74,7 @@ void Duels::count(const Comm& comm, const DistMesh& dist, const std::vector<char
   halved_ = pairs < fighters && copies_ >= kSmallest;
   if (halved_) return;
   for (Duel& d : duels_) d.half = 0;
-  join(duels_);
+  add_up(duels_, key, &Duel::verts);
 }
 
 void Duels::decide(int ranks) {

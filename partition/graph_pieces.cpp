@@ -5,6 +5,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "partition/add_up.hpp"
+
 namespace skein {
 namespace {
 
@@ -77,21 +79,6 @@ IdVector<NodeId, std::int64_t> label_pieces(const Comm& comm, const DistGraph& d
   return label;
 }
 
-/// Sorts by key(item) and adds up the weights of equal keys.
-template <class T, class Key>
-void add_up(std::vector<T>& items, Key key) {
-  std::sort(items.begin(), items.end(), [&](const T& a, const T& b) { return key(a) < key(b); });
-  std::size_t n = 0;
-  for (const T& i : items) {
-    if (n > 0 && key(items[n - 1]) == key(i)) {
-      items[n - 1].weight += i.weight;
-    } else {
-      items[n++] = i;
-    }
-  }
-  items.resize(n);
-}
-
 /// Collective. All pieces but the heaviest of each part, no heavier than max_piece; ascending by label.
 std::vector<Piece> loose_pieces(const Comm& comm, const Graph& g, const Parts& part,
                                 const IdVector<NodeId, std::int64_t>& label, std::int64_t max_piece) {
@@ -102,9 +89,9 @@ std::vector<Piece> loose_pieces(const Comm& comm, const Graph& g, const Parts& p
     if (mine.empty() || mine.back().label != label[v]) mine.push_back({label[v], 0, part[v]});
     mine.back().weight += g.weight[v];
   }
-  add_up(mine, key);
+  add_up(mine, key, &Piece::weight);
   std::vector<Piece> all = comm.all_gather(mine);
-  add_up(all, key);
+  add_up(all, key, &Piece::weight);
   std::sort(all.begin(), all.end(), [](const Piece& a, const Piece& b) {
     return std::tuple(a.part, -a.weight, a.label) < std::tuple(b.part, -b.weight, b.label);
   });
@@ -133,9 +120,9 @@ std::vector<Contact> find_contacts(const Comm& comm, const Graph& g, const Parts
     }
   }
   const auto key = [](const Contact& c) { return std::pair(c.label, c.part); };
-  add_up(mine, key);
+  add_up(mine, key, &Contact::weight);
   std::vector<Contact> all = comm.all_gather(mine);
-  add_up(all, key);
+  add_up(all, key, &Contact::weight);
   std::sort(all.begin(), all.end(), [](const Contact& a, const Contact& b) {
     return std::tuple(a.label, -a.weight, a.part) < std::tuple(b.label, -b.weight, b.part);
   });

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "partition/add_up.hpp"
 #include "partition/graph.hpp"
 #include "partition/graph_pieces.hpp"
 #include "partition/multilevel_refine.hpp"
@@ -23,21 +24,8 @@ struct Flow {
   double contact = 0;
   double work = 0;
 };
-bool before(const Flow& a, const Flow& b) noexcept { return std::pair(a.from, a.to) < std::pair(b.from, b.to); }
-
-/// Sorts and adds up the contacts of equal pairs.
-void add_up(std::vector<Flow>& flows) {
-  std::sort(flows.begin(), flows.end(), before);
-  std::size_t n = 0;
-  for (const Flow& f : flows) {
-    if (n > 0 && !before(flows[n - 1], f)) {
-      flows[n - 1].contact += f.contact;
-    } else {
-      flows[n++] = f;
-    }
-  }
-  flows.resize(n);
-}
+std::pair<Rank, Rank> pair_of(const Flow& f) noexcept { return {f.from, f.to}; }
+bool before(const Flow& a, const Flow& b) noexcept { return pair_of(a) < pair_of(b); }
 
 /// The pairs of parts that touch at this rank's nodes; ascending. `part` has the ghosts' parts, too.
 std::vector<Flow> local_contacts(const Graph& g, const Parts& part) {
@@ -47,7 +35,7 @@ std::vector<Flow> local_contacts(const Graph& g, const Parts& part) {
       if (part[e.to] != part[v]) out.push_back({part[v], part[e.to], 1, 0});
     }
   }
-  add_up(out);
+  add_up(out, pair_of, &Flow::contact);
   return out;
 }
 
@@ -108,7 +96,7 @@ std::vector<Flow> plan_flows(const Comm& comm, const Graph& g, const Parts& part
                              const std::vector<std::int64_t>& weight) {
   std::vector<Flow> mine = local_contacts(g, part);
   std::vector<Flow> all = comm.all_gather(mine);
-  add_up(all);
+  add_up(all, pair_of, &Flow::contact);
   const auto potential = solve(all, surplus(all, weight));
   for (Flow& f : mine) {
     const double drop = potential[idx(f.from)] - potential[idx(f.to)];
