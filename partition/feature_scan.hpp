@@ -7,23 +7,28 @@
 
 namespace skein {
 
+/// Calls found(place in features.list()) for each edge of tetrahedron t that is a feature edge. @pre there are any.
+template <class Found>
+void features_of(const TetMesh& m, TetId t, Found&& found) {
+  const auto& v = m.tet2vert[t];
+  std::array<bool, 4> marked{};
+  int n = 0;
+  for (std::size_t k = 0; k < 4; ++k) n += (marked[k] = m.has(v[k], kRidge | kCorner)) ? 1 : 0;
+  if (n < 2) return;
+  for (const auto& e : kEdgeVerts) {
+    const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
+    if (!marked[a] || !marked[b]) continue;
+    const FeatureEdge* edge = m.features.find(v[a], v[b]);
+    if (edge != nullptr) found(static_cast<std::uint32_t>(edge - m.features.list().data()));
+  }
+}
+
 /// Calls found(tet, place in features.list()) for each edge of each tetrahedron that is a feature edge.
 template <class Found>
 void for_each_feature(const TetMesh& m, Found&& found) {
   if (m.features.size() == 0) return;
-  const FeatureEdge* first = m.features.list().data();
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    const auto& v = m.tet2vert[t];
-    std::array<bool, 4> marked{};
-    int n = 0;
-    for (std::size_t k = 0; k < 4; ++k) n += (marked[k] = m.has(v[k], kRidge | kCorner)) ? 1 : 0;
-    if (n < 2) continue;
-    for (const auto& e : kEdgeVerts) {
-      const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
-      if (!marked[a] || !marked[b]) continue;
-      const FeatureEdge* edge = m.features.find(v[a], v[b]);
-      if (edge != nullptr) found(t, static_cast<std::uint32_t>(edge - first));
-    }
+    features_of(m, t, [&](std::uint32_t edge) { found(t, edge); });
   }
 }
 

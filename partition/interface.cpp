@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mesh/surroundings.hpp"
 #include "partition/duels.hpp"
 #include "partition/sharing.hpp"
 
@@ -23,95 +24,107 @@ std::int64_t highest(const TetMesh& m, TetId t, const std::vector<std::int64_t>&
   return best;
 }
 
-/// Calls visit(t) for the tetrahedra with a vertex that has a label. They are few, so a byte per vertex is asked first.
-template <class Visit>
-void for_each_labelled(const TetMesh& m, const std::vector<std::int64_t>& label, Visit&& visit) {
-  IdVector<VertId, char> has(label.size());
-  for (std::size_t i = 0; i < label.size(); ++i) has[to_id<VertId>(i)] = label[i] != 0 ? 1 : 0;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    const auto& v = m.tet2vert[t];
-    if ((has[v[0]] | has[v[1]] | has[v[2]] | has[v[3]]) != 0) visit(t);
+}  // namespace
+
+InterfaceRegion::InterfaceRegion(const Comm& comm, DistMesh& dist, int layers)
+    : comm_(comm), dist_(dist), halo_(comm, dist.sharing) {
+  const TetMesh& m = dist.mesh;
+  std::vector<VertId> seeds = dist.sharing.vert;
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    if (m.has(v, kHeld)) seeds.push_back(v);
   }
+  if (seeds.empty()) return;
+  Surroundings near(m, std::move(seeds));
+  near.add_all_tets();
+  for (int l = 0; l < std::max(layers, kReach); ++l) {
+    near.add_vertices();
+    near.add_tets();
+  }
+  tets_ = near.tets();
+  std::sort(tets_.begin(), tets_.end());
 }
 
-/// One layer: vertices without a label (0) take the highest of the tetrahedra at them, on all ranks.
-void spread(const DistMesh& dist, const Halo& halo, std::vector<std::int64_t>& label) {
-  const TetMesh& m = dist.mesh;
+/// One layer: vertices without a label take the highest of the tetrahedra at them, on all ranks.
+void InterfaceRegion::spread(Labels& label) const {
+  const TetMesh& m = dist_.mesh;
   struct Reached {
     VertId v;
     std::int64_t label;
   };
   std::vector<Reached> reached;
-  for_each_labelled(m, label, [&](TetId t) {
+  for (const TetId t : tets_) {
     const std::int64_t best = highest(m, t, label);
+    if (best == 0) continue;
     for (const VertId v : m.tet2vert[t]) {
       if (label[idx(v)] == 0) reached.push_back({v, best});
     }
-  });
+  }
   for (const Reached& r : reached) label[idx(r.v)] = std::max(label[idx(r.v)], r.label);
-  halo.max(std::span<std::int64_t>(label));
+  halo_.max(std::span<std::int64_t>(label));
 }
 
 /// Per entry of dist.sharing: it shall become interior, if it can.
-std::vector<char> to_be_freed(const DistMesh& dist, const Halo& halo, GlobalId before) {
-  const TetMesh& m = dist.mesh;
-  std::vector<std::int64_t> label(m.vert_slots(), 0);
+std::vector<char> InterfaceRegion::to_be_freed(GlobalId before) const {
+  const TetMesh& m = dist_.mesh;
+  const Sharing& sharing = dist_.sharing;
+  Labels label(m.vert_slots(), 0);
   for (const VertId v : IdRange<VertId>(m.vert_slots())) label[idx(v)] = m.has(v, kHeld) ? 1 : 0;
-  for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
-    if (dist.sharing.gid[i] < before) label[idx(dist.sharing.vert[i])] = 0;
+  for (std::size_t i = 0; i < sharing.size(); ++i) {
+    if (sharing.gid[i] < before) label[idx(sharing.vert[i])] = 0;
   }
-  halo.max(std::span<std::int64_t>(label));
-  for (int l = 0; l < kReach; ++l) spread(dist, halo, label);
-  std::vector<char> wanted(dist.sharing.size());
+  halo_.max(std::span<std::int64_t>(label));
+  for (int l = 0; l < kReach; ++l) spread(label);
+  std::vector<char> wanted(sharing.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    wanted[i] = label[idx(dist.sharing.vert[i])] != 0 || dist.sharing.gid[i] < before ? 1 : 0;
+    wanted[i] = label[idx(sharing.vert[i])] != 0 || sharing.gid[i] < before ? 1 : 0;
   }
   return wanted;
 }
 
-}  // namespace
-
-IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round,
-                                         GlobalId before) {
-  const TetMesh& m = dist.mesh;
-  const Halo halo(comm, dist.sharing);
-  const std::vector<char> wanted = to_be_freed(dist, halo, before);
-  std::vector<std::int64_t> label(m.vert_slots(), 0);
+Moves InterfaceRegion::displace(int layers, int round, GlobalId before) const {
+  const TetMesh& m = dist_.mesh;
+  const Sharing& sharing = dist_.sharing;
+  const std::vector<char> wanted = to_be_freed(before);
+  Labels label(m.vert_slots(), 0);
   if (round == 1) {
-    const Duels duels(comm, dist, wanted, round);
+    const Duels duels(comm_, dist_, wanted, round);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      const VertId v = dist.sharing.vert[i];
-      if (wanted[i] != 0) label[idx(v)] = duels.priority(duels.winner(dist.sharing, i, m.coords[v]));
+      const VertId v = sharing.vert[i];
+      if (wanted[i] != 0) label[idx(v)] = duels.priority(duels.winner(sharing, i, m.coords[v]));
     }
   } else {
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      if (wanted[i] != 0) label[idx(dist.sharing.vert[i])] = order_in_round(comm.rank(), round);
+      if (wanted[i] != 0) label[idx(sharing.vert[i])] = order_in_round(comm_.rank(), round);
     }
-    halo.max(std::span<std::int64_t>(label));
+    halo_.max(std::span<std::int64_t>(label));
   }
-  for (int l = 0; l < layers; ++l) spread(dist, halo, label);
-  IdVector<TetId, Rank> dest(m.tet_slots(), comm.rank());
-  for_each_labelled(m, label, [&](TetId t) { dest[t] = label_rank(highest(m, t, label)); });
-  return dest;
+  for (int l = 0; l < layers; ++l) spread(label);
+  Moves moves;
+  for (const TetId t : tets_) {
+    const std::int64_t best = highest(m, t, label);
+    if (best == 0 || label_rank(best) == comm_.rank()) continue;
+    moves.tets.push_back(t);
+    moves.to.push_back(label_rank(best));
+  }
+  return moves;
 }
 
-bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId before) {
-  TetMesh& m = dist.mesh;
-  const Halo halo(comm, dist.sharing);
-  std::vector<std::int64_t> label(m.vert_slots(), 0);
+bool InterfaceRegion::mark_active(int layers, GlobalId before) {
+  TetMesh& m = dist_.mesh;
+  Labels label(m.vert_slots(), 0);
   for (const VertId v : IdRange<VertId>(m.vert_slots())) label[idx(v)] = m.has(v, kHeld) ? 1 : 0;
-  for (const VertId v : dist.sharing.vert) label[idx(v)] |= dist.vert2gid[v] < before ? 1 : 0;
-  halo.max(std::span<std::int64_t>(label));
+  for (const VertId v : dist_.sharing.vert) label[idx(v)] |= dist_.vert2gid[v] < before ? 1 : 0;
+  halo_.max(std::span<std::int64_t>(label));
   std::int64_t any = 0;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     any |= label[idx(v)];
     if (label[idx(v)] != 0) m.vert_flags[v] |= kHeld;
   }
-  for (int l = 0; l < layers; ++l) spread(dist, halo, label);
+  for (int l = 0; l < layers; ++l) spread(label);
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));
   }
-  return comm.max(any) != 0;
+  return comm_.max(any) != 0;
 }
 
 GlobalId number_new_vertices(const Comm& comm, DistMesh& dist) {

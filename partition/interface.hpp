@@ -1,26 +1,47 @@
 // Moving the interfaces between rounds, and numbers for what a round has created.
 #pragma once
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "comm/comm.hpp"
 #include "partition/dist_mesh.hpp"
+#include "partition/migrate.hpp"
 
 namespace skein {
 
 inline constexpr GlobalId kEveryGlobal{std::numeric_limits<std::int64_t>::max()};  ///< above all global ids
 
-/// Collective. A new rank for each tetrahedron such that old interfaces become interior: each shared vertex with a
-/// global id below `before`, or within an edge of another that is kHeld, is given to one of its ranks, with all its
-/// tetrahedra and `layers` more layers of tetrahedra. In round 1, with all interfaces at stake, Duels share them out
-/// evenly; later one order of the ranks, another one in each round, leaves less. It also decides between two such
-/// regions, so an old interface vertex stays shared only where they meet. Tetrahedra elsewhere stay. @pre layers >= 0.
-IdVector<TetId, Rank> displace_interface(const Comm& comm, const DistMesh& dist, int layers, int round,
-                                         GlobalId before = kEveryGlobal);
+/// The tetrahedra round the interfaces of a mesh and round what is kHeld, and what rounds do there. What is done costs
+/// as much as there is, but for one look at the whole mesh.
+class InterfaceRegion {
+ public:
+  /// Collective. `layers`: the most that will be asked for. The mesh must outlive the region; tetrahedra, interfaces
+  /// and kHeld may change only by mark_active. @pre layers >= 0.
+  InterfaceRegion(const Comm& comm, DistMesh& dist, int layers);
 
-/// Collective. kHeld on the vertices that are shared now and have a global id below `before`, and on all copies of
-/// those that have it; kActive on the vertices within `layers` edges (over all ranks) of these, cleared elsewhere.
-/// Tells whether there are any on any rank.
-bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId before = kEveryGlobal);
+  /// Collective. kHeld on the vertices that are shared now and have a global id below `before`, and on all copies of
+  /// those that have it; kActive on the vertices within `layers` edges (over all ranks) of these, cleared elsewhere.
+  /// Tells whether there are any on any rank.
+  bool mark_active(int layers, GlobalId before = kEveryGlobal);
+
+  /// Collective. New ranks for tetrahedra such that old interfaces become interior: each shared vertex with a global id
+  /// below `before`, or within an edge of another that is kHeld, is given to one of its ranks, with all its tetrahedra
+  /// and `layers` more layers of tetrahedra. In round 1, with all interfaces at stake, Duels share them out evenly;
+  /// later one order of the ranks, another one in each round, leaves less. It also decides between two such regions, so
+  /// an old interface vertex stays shared only where they meet. Tetrahedra elsewhere stay.
+  [[nodiscard]] Moves displace(int layers, int round, GlobalId before = kEveryGlobal) const;
+
+ private:
+  using Labels = std::vector<std::int64_t>;  ///< per vertex; 0: none
+  void spread(Labels& label) const;
+  [[nodiscard]] std::vector<char> to_be_freed(GlobalId before) const;
+
+  const Comm& comm_;
+  DistMesh& dist_;
+  Halo halo_;
+  std::vector<TetId> tets_;  ///< ascending
+};
 
 /// Collective. Vertices with kNoGlobal get global ids behind the largest there is: by rank, then local order. Sets the
 /// global counts. Returns the lowest of the new ids, the same on all ranks. @pre no vertex with kNoGlobal is shared.

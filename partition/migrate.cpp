@@ -1,9 +1,11 @@
-// Migration in three steps: pack what leaves, close the gaps, join what comes.
+// Migration in three steps: pack what leaves, find what it leaves behind, put what comes in its place.
 #include "partition/migrate.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "mesh/error.hpp"
+#include "mesh/holes.hpp"
 #include "partition/feature_scan.hpp"
 #include "partition/rendezvous.hpp"
 #include "partition/sharing.hpp"
@@ -50,40 +52,48 @@ void close_block(Packets<T>& p, Rank r) {
 /// The tetrahedra that leave, by destination, in their order.
 struct Leaving {
   std::vector<TetId> tets;
-  std::vector<std::size_t> offset;      ///< by rank
-  IdVector<TetId, std::int32_t> place;  ///< the new number if it stays, or ~ its place in its destination's block
-  std::size_t stay = 0;
+  std::vector<std::size_t> offset;         ///< by rank
+  IdVector<TetId, char> leaves;            ///< 1 for these
+  std::unique_ptr<std::uint32_t[]> place;  ///< in `tets`, of those that leave
+
+  [[nodiscard]] bool none() const noexcept { return tets.empty(); }
+  /// Its place among those that go to r, or -1.
+  [[nodiscard]] std::int32_t place_to(TetId t, Rank r) const noexcept {
+    if (leaves[t] == 0) return -1;
+    const std::size_t at = place[idx(t)];
+    return at >= offset[idx(r)] && at < offset[idx(r) + 1] ? static_cast<std::int32_t>(at - offset[idx(r)]) : -1;
+  }
 };
 
-Leaving sort_out(const Comm& comm, const IdVector<TetId, Rank>& dest) {
-  const Rank me = comm.rank();
+Leaving sort_out(const Comm& comm, const Moves& moves, std::size_t n_tets) {
   Leaving l;
   l.offset.assign(static_cast<std::size_t>(comm.size()) + 1, 0);
-  for (const Rank r : dest) ++l.offset[idx(r) + 1];
-  l.stay = l.offset[idx(me) + 1];
-  l.offset[idx(me) + 1] = 0;
+  for (const Rank r : moves.to) l.offset[idx(r) + 1] += r != comm.rank() ? 1 : 0;
   for (std::size_t r = 1; r < l.offset.size(); ++r) l.offset[r] += l.offset[r - 1];
   l.tets.resize(l.offset.back());
-  l.place.resize(dest.size());
+  l.leaves.assign(n_tets, 0);
+  l.place = std::make_unique_for_overwrite<std::uint32_t[]>(n_tets);
   std::vector<std::size_t> next(l.offset.begin(), l.offset.end() - 1);
-  std::int32_t stay = 0;
-  for (const TetId t : IdRange<TetId>(dest.size())) {
-    const std::size_t r = idx(dest[t]);
-    if (dest[t] == me) {
-      l.place[t] = stay++;
-    } else {
-      l.place[t] = ~static_cast<std::int32_t>(next[r] - l.offset[r]);
-      l.tets[next[r]++] = t;
-    }
+  for (std::size_t i = 0; i < moves.tets.size(); ++i) {
+    if (moves.to[i] == comm.rank()) continue;
+    const TetId t = moves.tets[i];
+    const std::size_t at = next[idx(moves.to[i])]++;
+    l.leaves[t] = 1;
+    l.place[idx(t)] = static_cast<std::uint32_t>(at);
+    l.tets[at] = t;
   }
   return l;
 }
 
 /// The feature edges (as places in the list) that are edges of tetrahedra going to each rank; sorted, each once.
 using FeatureUse = std::pair<Rank, std::uint32_t>;
-std::vector<FeatureUse> features_by_rank(const TetMesh& m, const IdVector<TetId, Rank>& dest) {
+std::vector<FeatureUse> features_by_rank(const TetMesh& m, const Leaving& leaving) {
   std::vector<FeatureUse> use;
-  for_each_feature(m, [&](TetId t, std::uint32_t edge) { use.emplace_back(dest[t], edge); });
+  for (std::size_t r = 0; r + 1 < leaving.offset.size() && m.features.size() != 0; ++r) {
+    for (std::size_t i = leaving.offset[r]; i < leaving.offset[r + 1]; ++i) {
+      features_of(m, leaving.tets[i], [&](std::uint32_t edge) { use.emplace_back(to_id<Rank>(r), edge); });
+    }
+  }
   std::sort(use.begin(), use.end());
   use.erase(std::unique(use.begin(), use.end()), use.end());
   return use;
@@ -91,15 +101,15 @@ std::vector<FeatureUse> features_by_rank(const TetMesh& m, const IdVector<TetId,
 
 class Packer {
  public:
-  Packer(const Comm& comm, const DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leaving& leaving,
-         const std::vector<FeatureUse>& features)
-      : comm_(comm), dist_(dist), dest_(dest), leaving_(leaving), features_(features) {
+  Packer(const DistMesh& dist, const Leaving& leaving, const std::vector<FeatureUse>& features)
+      : dist_(dist), leaving_(leaving), features_(features) {
+    if (leaving.none()) return;
     shared_.assign(dist.mesh.vert_slots(), 0);
     for (const VertId v : dist.sharing.vert) shared_[v] = 1;
     number_.assign(dist.mesh.vert_slots(), -1);
   }
   Load pack() {
-    for (std::size_t r = 0; r < static_cast<std::size_t>(comm_.size()); ++r) {
+    for (std::size_t r = 0; r + 1 < leaving_.offset.size(); ++r) {
       if (leaving_.offset[r + 1] > leaving_.offset[r]) pack_block(to_id<Rank>(r));
     }
     return std::move(load_);
@@ -140,7 +150,8 @@ class Packer {
       if (f == kNoFace) {
         out.face[k] = is_hull(m.face_tag[t][k]) ? kOpen : kWasInterface;
       } else {
-        out.face[k] = dest_[face_tet(f)] == r ? 4 * ~leaving_.place[face_tet(f)] + face_side(f) : kOpen;
+        const std::int32_t at = leaving_.place_to(face_tet(f), r);
+        out.face[k] = at >= 0 ? 4 * at + face_side(f) : kOpen;
       }
     }
     out.tag = m.face_tag[t];
@@ -148,9 +159,7 @@ class Packer {
     load_.tets.items.push_back(out);
   }
 
-  const Comm& comm_;
   const DistMesh& dist_;
-  const IdVector<TetId, Rank>& dest_;
   const Leaving& leaving_;
   const std::vector<FeatureUse>& features_;
   IdVector<VertId, char> shared_;
@@ -159,231 +168,240 @@ class Packer {
   Load load_;
 };
 
-/// Faces and vertices that may find their other copy among what comes.
-struct Seams {
-  std::vector<FaceId> faces;
-  std::vector<std::pair<GlobalId, VertId>> verts;
+/// What stays, as far as it may meet what comes or has lost neighbours.
+struct Staying {
+  std::vector<VertId> verts;  ///< at what leaves, or shared before
+  std::vector<FaceId> open;   ///< on the interface before
+  std::vector<VertId> gone;   ///< vertices that have no tetrahedra any more; ascending
+  std::vector<FeatureEdge> gone_features;
 };
 
-/// Moves the vertices of what stays to the front of their arrays, in place. Gives their new numbers.
-IdVector<VertId, VertId> close_vertex_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, bool all_stay, Rank me) {
-  TetMesh& m = dist.mesh;
-  IdVector<VertId, VertId> old2new(m.vert_slots(), all_stay ? VertId{0} : kNoVert);
-  for (const TetId t : IdRange<TetId>(all_stay ? 0 : m.tet_slots())) {
-    if (dest[t] != me) continue;
-    for (const VertId v : m.tet2vert[t]) old2new[v] = VertId{0};
+/// Finds these by one look at all tetrahedra, and gives vertices at what leaves a tetrahedron that stays.
+class Stayers {
+ public:
+  Stayers(DistMesh& dist, const Leaving& leaving, const std::vector<FeatureUse>& features)
+      : m_(dist.mesh), leaving_(leaving), state_(dist.mesh.vert_slots(), 0), feature_state_(m_.features.size(), 0) {
+    for (const VertId v : dist.sharing.vert) touch(v);
+    for (const TetId t : leaving.tets) {
+      for (const VertId v : m_.tet2vert[t]) touch(v);
+    }
+    for (const auto& [rank, edge] : features) feature_state_[edge] = kTouched;
   }
-  const auto width = static_cast<std::size_t>(dist.data.width);
-  std::size_t nv = 0;
-  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    if (old2new[v] == kNoVert) continue;
-    const VertId w = old2new[v] = to_id<VertId>(nv++);
-    if (w == v) continue;
-    m.coords[w] = m.coords[v];
-    m.vert_ref[w] = m.vert_ref[v];
-    m.vert_flags[w] = m.vert_flags[v];
-    dist.vert2gid[w] = dist.vert2gid[v];
-    std::copy_n(dist.data.at(v), width, dist.data.at(w));
-  }
-  m.coords.resize(nv);
-  return old2new;
-}
 
-/// Appends the faces that are on the interface.
-void add_open_faces(const TetMesh& m, std::vector<FaceId>& faces) {
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+  Staying find(const std::vector<FeatureUse>& features) {
+    for (const TetId t : IdRange<TetId>(m_.tet_slots())) {
+      const auto& v = m_.tet2vert[t];
+      if ((state_[v[0]] | state_[v[1]] | state_[v[2]] | state_[v[3]]) == 0 || leaving_.leaves[t] != 0) continue;
+      look_at(t, !features.empty());
+    }
+    for (const VertId v : touched_) (state_[v] == kStays ? out_.verts : out_.gone).push_back(v);
+    std::sort(out_.gone.begin(), out_.gone.end());
+    const auto gone = [&](VertId v) { return state_[v] == kTouched; };
+    for (std::size_t i = 0; i < feature_state_.size(); ++i) {
+      const FeatureEdge& e = m_.features.list()[i];
+      if (feature_state_[i] == kTouched || gone(e.a) || gone(e.b)) out_.gone_features.push_back(e);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  static constexpr char kTouched = 1, kStays = 2;
+
+  void touch(VertId v) {
+    if (state_[v] == 0) touched_.push_back(v);
+    state_[v] = kTouched;
+  }
+  void look_at(TetId t, bool features) {
     for (std::size_t k = 0; k < 4; ++k) {
-      if (m.tet2face[t][k] == kNoFace && !is_hull(m.face_tag[t][k])) {
-        faces.push_back(make_face(t, static_cast<int>(k)));
+      const VertId v = m_.tet2vert[t][k];
+      if (state_[v] != 0) {
+        state_[v] = kStays;
+        m_.vert2tet[v] = t;
+      }
+      if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k]))
+        out_.open.push_back(make_face(t, static_cast<int>(k)));
+    }
+    if (features) {
+      features_of(m_, t, [&](std::uint32_t edge) { feature_state_[edge] = feature_state_[edge] != 0 ? kStays : 0; });
+    }
+  }
+
+  TetMesh& m_;
+  const Leaving& leaving_;
+  IdVector<VertId, char> state_;
+  std::vector<char> feature_state_;
+  std::vector<VertId> touched_;
+  Staying out_;
+};
+
+/// Puts what comes into the places of what has gone; the steps share the numbers of what comes.
+class Arrival {
+ public:
+  Arrival(DistMesh& dist, const Load& load, const Leaving& leaving, Staying staying)
+      : dist_(dist), m_(dist.mesh), load_(load), staying_(std::move(staying)), free_tets_(leaving.tets) {
+    std::sort(free_tets_.begin(), free_tets_.end());
+  }
+
+  /// Gives the vertices that may be shared now.
+  std::vector<VertId> run() {
+    unlink_gone();
+    number_vertices();
+    for (std::size_t i = 0; i < vert_.size(); ++i) put_vertex(i);
+    std::vector<FaceId> open = std::move(staying_.open);
+    put_tets(open);
+    link_equal_faces(m_, open);
+    fill_free_tets(m_, free_tets_);
+    const MovedVerts now = fill_free_verts(m_, staying_.gone, [&](VertId from, VertId to) {
+      dist_.vert2gid[to] = dist_.vert2gid[from];
+      std::copy_n(dist_.data.at(from), width(), dist_.data.at(to));
+    });
+    resize_attributes();
+    std::vector<VertId> met = std::move(staying_.verts);
+    met.insert(met.end(), fresh_.begin(), fresh_.end());
+    for (VertId& v : met) v = now(v);
+    return met;
+  }
+
+ private:
+  [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(dist_.data.width); }
+
+  void unlink_gone() {
+    for (const TetId t : free_tets_) {
+      for (const FaceId f : m_.tet2face[t]) {
+        if (f != kNoFace) m_.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = kNoFace;
       }
     }
+    for (const FeatureEdge& e : staying_.gone_features) m_.features.erase(e.a, e.b);
   }
-}
 
-/// Moves what stays to the front of all arrays, in place.
-Seams close_gaps(DistMesh& dist, const IdVector<TetId, Rank>& dest, const Leaving& leaving,
-                 const std::vector<FeatureUse>& features, Rank me) {
-  TetMesh& m = dist.mesh;
-  Seams seams;
-  const bool all_stay = leaving.tets.empty();
-  const auto old2new = close_vertex_gaps(dist, dest, all_stay, me);
-  if (all_stay) add_open_faces(m, seams.faces);
-  for (const TetId t : IdRange<TetId>(all_stay ? 0 : m.tet_slots())) {
-    if (leaving.place[t] < 0) continue;
-    const TetId s{leaving.place[t]};
-    m.tet2vert[s] = m.tet2vert[t];
-    for (auto& v : m.tet2vert[s]) v = old2new[v];
-    m.face_tag[s] = m.face_tag[t];
-    m.tet_ref[s] = m.tet_ref[t];
-    for (std::size_t k = 0; k < 4; ++k) {
-      FaceId f = m.tet2face[t][k];
-      if (f == kNoFace) {
-        if (!is_hull(m.face_tag[s][k])) seams.faces.push_back(make_face(s, static_cast<int>(k)));
-      } else {
-        const std::int32_t to = leaving.place[face_tet(f)];
-        f = to >= 0 ? make_face(TetId{to}, face_side(f)) : kNoFace;
+  /// Those that are here already by their global id, the others in order.
+  void number_vertices() {
+    std::vector<VertId> here;  // of shared ones, by the numbers of `shared`
+    GidMap shared(dist_.sharing.size() + load_.verts.items.size());
+    for (const VertId v : staying_.verts) {
+      if (shared.insert(dist_.vert2gid[v]) == to_id<VertId>(here.size())) here.push_back(v);
+    }
+    auto& gone = staying_.gone;
+    std::size_t taken = 0, end = m_.vert_slots();
+    vert_.reserve(load_.verts.items.size());
+    for (const MovedVert& in : load_.verts.items) {
+      std::size_t at = here.size();
+      if (in.shared != 0) at = idx(shared.insert(in.gid));
+      if (at < here.size()) {
+        vert_.push_back(here[at]);
+        continue;
       }
-      m.tet2face[s][k] = f;
+      fresh_.push_back(taken < gone.size() ? gone[taken++] : to_id<VertId>(end++));
+      vert_.push_back(fresh_.back());
+      if (in.shared != 0) here.push_back(fresh_.back());
     }
+    gone.erase(gone.begin(), gone.begin() + static_cast<std::ptrdiff_t>(taken));
+    resize_verts(m_, end);
+    resize_attributes();
+    for (const VertId v : fresh_) m_.vert_flags[v] = 0;
   }
-  for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
-    const VertId v = old2new[dist.sharing.vert[i]];
-    if (v != kNoVert) seams.verts.emplace_back(dist.sharing.gid[i], v);
-  }
-  if (all_stay) return seams;
-  FeatureEdges kept;
-  auto it = std::lower_bound(features.begin(), features.end(), FeatureUse{me, 0});
-  for (; it != features.end() && it->first == me; ++it) {
-    const FeatureEdge& e = m.features.list()[it->second];
-    kept.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
-  }
-  m.features = std::move(kept);
-  return seams;
-}
 
-/// To n items without room for more: growing an array the usual way doubles it.
-template <class Vector>
-void resize_exactly(Vector& v, std::size_t n) {
-  v.reserve(n);
-  v.resize(n);
-}
-
-void resize_all(DistMesh& dist, std::size_t nv, std::size_t nt) {
-  TetMesh& m = dist.mesh;
-  resize_exactly(m.coords, nv);
-  resize_exactly(m.vert_ref, nv);
-  resize_exactly(m.vert_flags, nv);
-  resize_exactly(m.vert2tet, nv);
-  m.vert2tet.assign(nv, kNoTet);
-  resize_exactly(dist.vert2gid, nv);
-  resize_exactly(dist.data.values, nv * static_cast<std::size_t>(dist.data.width));
-  resize_exactly(m.tet2vert, nt);
-  resize_exactly(m.tet2face, nt);
-  resize_exactly(m.face_tag, nt);
-  resize_exactly(m.tet_ref, nt);
-}
-
-/// Local numbers of the vertices that came: those that are here already by their global id, the others in order.
-std::vector<VertId> number_incoming(const DistMesh& dist, const Packets<MovedVert>& verts, const Seams& seams,
-                                    std::size_t& nv) {
-  std::size_t candidates = seams.verts.size();
-  for (const auto& v : verts.items) candidates += v.shared;
-  GidMap shared(candidates);  // its numbers are places in shared2vert
-  IdVector<VertId, VertId> shared2vert;
-  for (const auto& [gid, v] : seams.verts) {
-    shared.insert(gid);
-    shared2vert.push_back(v);
-  }
-  nv = dist.mesh.coords.size();
-  std::vector<VertId> number(verts.items.size());
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    if (verts.items[i].shared == 0) {
-      number[i] = to_id<VertId>(nv++);
-      continue;
+  void resize_attributes() {
+    const std::size_t n = m_.vert_slots();
+    if (n > dist_.vert2gid.size()) {  // no more than that: growing the usual way doubles
+      dist_.vert2gid.reserve(n);
+      dist_.data.values.reserve(n * width());
     }
-    const VertId s = shared.insert(verts.items[i].gid);
-    if (s == shared2vert.end_id()) shared2vert.push_back(to_id<VertId>(nv++));
-    number[i] = shared2vert[s];
+    dist_.vert2gid.resize(n);
+    dist_.data.values.resize(n * width());
   }
-  return number;
-}
 
-/// Appends the tetrahedra, vertices and feature edges that came. Adds their interface faces to the seams.
-void append(DistMesh& dist, const Load& load, const std::vector<VertId>& number, std::size_t stay, Seams& seams) {
-  TetMesh& m = dist.mesh;
-  const auto width = static_cast<std::size_t>(dist.data.width);
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    const MovedVert& in = load.verts.items[i];
-    const VertId v = number[i];
-    const auto copies_here = m.vert_flags[v];  // 0 in new slots
-    m.coords[v] = in.x;
-    m.vert_ref[v] = in.ref;
-    m.vert_flags[v] = static_cast<std::uint8_t>(copies_here | in.flags);
-    dist.vert2gid[v] = in.gid;
-    std::copy_n(load.data.items.data() + i * width, width, dist.data.at(v));
+  void put_vertex(std::size_t i) {
+    const MovedVert& in = load_.verts.items[i];
+    const VertId v = vert_[i];
+    m_.coords[v] = in.x;
+    m_.vert_ref[v] = in.ref;
+    m_.vert_flags[v] = static_cast<std::uint8_t>(m_.vert_flags[v] | in.flags);  // of all copies
+    dist_.vert2gid[v] = in.gid;
+    std::copy_n(load_.data.items.data() + i * width(), width(), dist_.data.at(v));
   }
-  // Every block of tetrahedra has a block of vertices from the same rank.
-  std::size_t feature_block = 0;
-  for (std::size_t b = 0; b < load.tets.blocks(); ++b) {
-    const VertId* vert = number.data() + load.verts.offset[b];
-    const auto base = static_cast<std::int32_t>(stay + load.tets.offset[b]);
-    for (std::size_t i = load.tets.offset[b]; i < load.tets.offset[b + 1]; ++i) {
-      const MovedTet& in = load.tets.items[i];
-      const TetId t = to_id<TetId>(stay + i);
-      for (std::size_t k = 0; k < 4; ++k) {
-        m.tet2vert[t][k] = vert[in.vert[k]];
-        m.tet2face[t][k] = in.face[k] >= 0 ? FaceId{4 * base + in.face[k]} : kNoFace;
-        if (in.face[k] == kWasInterface) seams.faces.push_back(make_face(t, static_cast<int>(k)));
+
+  /// Faces that were on the interface are added to `open`.
+  void put_tets(std::vector<FaceId>& open) {
+    const std::size_t n = load_.tets.items.size(), before = m_.tet_slots(), places = std::min(n, free_tets_.size());
+    const auto place = [&](std::size_t i) { return i < places ? free_tets_[i] : to_id<TetId>(before + i - places); };
+    resize_tets(m_, before + n - places);
+    // Every block of tetrahedra has a block of vertices from the same rank.
+    std::size_t feature_block = 0;
+    for (std::size_t b = 0; b < load_.tets.blocks(); ++b) {
+      const VertId* vert = vert_.data() + load_.verts.offset[b];
+      const std::size_t first = load_.tets.offset[b];
+      for (std::size_t i = first; i < load_.tets.offset[b + 1]; ++i) {
+        const MovedTet& in = load_.tets.items[i];
+        const TetId t = place(i);
+        for (std::size_t k = 0; k < 4; ++k) {
+          const VertId v = m_.tet2vert[t][k] = vert[in.vert[k]];
+          m_.vert2tet[v] = t;
+          const std::int32_t f = in.face[k];
+          m_.tet2face[t][k] = f >= 0 ? make_face(place(first + static_cast<std::size_t>(f / 4)), f % 4) : kNoFace;
+          if (f == kWasInterface) open.push_back(make_face(t, static_cast<int>(k)));
+        }
+        m_.face_tag[t] = in.tag;
+        m_.tet_ref[t] = in.ref;
       }
-      m.face_tag[t] = in.tag;
-      m.tet_ref[t] = in.ref;
-    }
-    if (feature_block < load.features.blocks() && load.features.rank[feature_block] == load.tets.rank[b]) {
-      for (const auto& e : load.features.block(feature_block)) {
-        const auto [a, c] = std::minmax(vert[e.a], vert[e.b]);
-        m.features.insert(a, c, e.ref, e.ridge != 0);
+      if (feature_block < load_.features.blocks() && load_.features.rank[feature_block] == load_.tets.rank[b]) {
+        for (const auto& e : load_.features.block(feature_block))
+          m_.features.insert(vert[e.a], vert[e.b], e.ref, e.ridge != 0);
+        ++feature_block;
       }
-      ++feature_block;
     }
+    free_tets_.erase(free_tets_.begin(), free_tets_.begin() + static_cast<std::ptrdiff_t>(places));
   }
-}
 
-/// Links faces that were on the interface and have both sides here now.
-void link_seams(TetMesh& m, const std::vector<FaceId>& faces) {
-  struct Seam {
-    std::array<VertId, 3> v;
-    FaceId face;
-  };
-  std::vector<Seam> list(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    list[i] = {face_verts(m, faces[i]), faces[i]};
-    std::sort(list[i].v.begin(), list[i].v.end());
-  }
-  std::sort(list.begin(), list.end(),
-            [](const Seam& a, const Seam& b) { return a.v != b.v ? a.v < b.v : a.face < b.face; });
-  for (std::size_t i = 0; i + 1 < list.size(); ++i) {
-    if (list[i].v != list[i + 1].v) continue;
-    const FaceId f = list[i].face, g = list[i + 1].face;
-    m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g;
-    m.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
-    ++i;
-  }
-}
+  DistMesh& dist_;
+  TetMesh& m_;
+  const Load& load_;
+  Staying staying_;
+  std::vector<TetId> free_tets_;  ///< ascending
+  std::vector<VertId> vert_;      ///< of what comes
+  std::vector<VertId> fresh_;     ///< those of them that were not here
+};
 
 }  // namespace
 
-void migrate(const Comm& comm, DistMesh& dist, const IdVector<TetId, Rank>& dest) {
+void migrate(const Comm& comm, DistMesh& dist, const Moves& moves) {
   agree(comm, [&] {
-    if (dest.size() != dist.mesh.tet_slots() ||
-        std::any_of(dest.begin(), dest.end(), [&](Rank r) { return num(r) < 0 || num(r) >= comm.size(); }))
+    if (moves.to.size() != moves.tets.size() ||
+        std::any_of(moves.to.begin(), moves.to.end(), [&](Rank r) { return num(r) < 0 || num(r) >= comm.size(); }))
       throw Error(ExitCode::kInternal, "migrate: destinations do not fit the tetrahedra or the ranks");
     if (std::count(dist.vert2gid.begin(), dist.vert2gid.end(), kNoGlobal) != 0)
       throw Error(ExitCode::kInternal, "migrate: vertices without global id (number_new_vertices comes first)");
   });
-  const Leaving leaving = sort_out(comm, dest);
-  const auto features = leaving.tets.empty() ? std::vector<FeatureUse>() : features_by_rank(dist.mesh, dest);
+  const Leaving leaving = sort_out(comm, moves, dist.mesh.tet_slots());
+  const auto features = features_by_rank(dist.mesh, leaving);
   Load in;
   {
-    const Load out = Packer(comm, dist, dest, leaving, features).pack();
+    const Load out = Packer(dist, leaving, features).pack();
     in.tets = exchange(comm, out.tets);
     in.verts = exchange(comm, out.verts);
     in.data = exchange(comm, out.data);
     in.features = exchange(comm, out.features);
   }
-  Seams seams = close_gaps(dist, dest, leaving, features, comm.rank());
-  std::size_t nv = 0;
-  const auto number = number_incoming(dist, in.verts, seams, nv);
-  const std::size_t stayed_verts = dist.mesh.coords.size();
-  resize_all(dist, stayed_verts, leaving.stay);  // so that what comes finds cleared slots
-  resize_all(dist, nv, leaving.stay + in.tets.items.size());
-  append(dist, in, number, leaving.stay, seams);
-  link_seams(dist.mesh, seams.faces);
-  for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) {
-    for (const VertId v : dist.mesh.tet2vert[t]) dist.mesh.vert2tet[v] = t;
-  }
-  rebuild_sharing(comm, dist);
+  std::vector<VertId> met = dist.sharing.vert;
+  if (!leaving.none() || !in.tets.items.empty())
+    met = Arrival(dist, in, leaving, Stayers(dist, leaving, features).find(features)).run();
+  rebuild_sharing(comm, dist, met);
   merge_vertex_flags(comm, dist);
   count_global(comm, dist);
+}
+
+void migrate(const Comm& comm, DistMesh& dist, const IdVector<TetId, Rank>& dest) {
+  agree(comm, [&] {
+    if (dest.size() != dist.mesh.tet_slots())
+      throw Error(ExitCode::kInternal, "migrate: destinations do not fit the tetrahedra");
+  });
+  Moves moves;
+  for (const TetId t : IdRange<TetId>(dest.size())) {
+    if (dest[t] == comm.rank()) continue;
+    moves.tets.push_back(t);
+    moves.to.push_back(dest[t]);
+  }
+  migrate(comm, dist, moves);
 }
 
 }  // namespace skein

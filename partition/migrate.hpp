@@ -1,18 +1,28 @@
 // Migration: tetrahedra change their rank with all that hangs on them.
 #pragma once
+#include <vector>
+
 #include "comm/comm.hpp"
 #include "partition/dist_mesh.hpp"
 
 namespace skein {
 
-/// Collective. Moves each tetrahedron t to rank dest[t] with its tags and reference, its vertices (coordinates,
-/// reference, flags, data, global id) and the feature edges that are its edges. Copies of a vertex that meet become
-/// one; all copies of a shared vertex get the flags that any of them has. Adjacency, sharing lists, kFrozen (set on
-/// shared vertices, nowhere else) and the global counts are made anew. Order after it: what stayed in its old order,
-/// then what came by source rank in its order there; no free slots. Throws Error(kInternal) on all ranks when a
-/// destination is not a rank, or a vertex has no global id.
-/// @pre dist is compact, all vertices have global ids, sharing is right (reconcile() passes); dest has one rank per
-/// tetrahedron.
+/// Tetrahedra that go to other ranks; those that are not named stay.
+struct Moves {
+  std::vector<TetId> tets;  ///< ascending
+  std::vector<Rank> to;     ///< one for each of them
+};
+
+/// Collective. Moves tetrahedra to other ranks with their tags and references, their vertices (coordinates, reference,
+/// flags, data, global id) and the feature edges that are their edges. Copies of a vertex that meet become one; all
+/// copies of a shared vertex get the flags that any of them has. Adjacency, sharing lists, kFrozen (set on shared
+/// vertices, nowhere else) and the global counts are right after it. What comes, by source rank in its order there,
+/// takes the places of what has gone and then new ones; places that are left over are filled from the end. The cost
+/// grows with what moves and with the interface, but for two looks at the tetrahedra of ranks where anything does.
+/// Throws Error(kInternal) on all ranks when a destination is not a rank, or a vertex has no global id.
+/// @pre dist is compact, all vertices have global ids, sharing is right (reconcile() passes).
+void migrate(const Comm& comm, DistMesh& dist, const Moves& moves);
+/// The same with a rank for each tetrahedron.
 void migrate(const Comm& comm, DistMesh& dist, const IdVector<TetId, Rank>& dest);
 
 }  // namespace skein

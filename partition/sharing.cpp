@@ -20,29 +20,31 @@ struct Candidate {
   VertId vert;
 };
 
-/// The vertices on faces without a local neighbour, ascending by global id.
-std::vector<Candidate> open_vertices(const TetMesh& m, const IdVector<VertId, GlobalId>& vert2gid) {
+/// The vertices on faces without a local neighbour.
+std::vector<VertId> open_vertices(const TetMesh& m) {
   IdVector<VertId, char> seen(m.vert_slots(), 0);
-  std::vector<Candidate> out;
+  std::vector<VertId> out;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
     for (int f = 0; f < 4; ++f) {
       if (m.tet2face[t][static_cast<std::size_t>(f)] != kNoFace) continue;
       for (const VertId v : face_verts(m, make_face(t, f))) {
-        if (seen[v] != 0 || vert2gid[v] == kNoGlobal) continue;
+        if (seen[v] != 0) continue;
         seen[v] = 1;
-        out.push_back({vert2gid[v], v});
+        out.push_back(v);
       }
     }
   }
-  std::sort(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) { return a.gid < b.gid; });
   return out;
 }
 
-}  // namespace
-
-Sharing find_sharing(const Comm& comm, const TetMesh& mesh, const IdVector<VertId, GlobalId>& vert2gid) {
-  const auto candidates = open_vertices(mesh, vert2gid);
+/// Collective. Those of the vertices that other ranks have, too.
+Sharing find_sharing(const Comm& comm, const std::vector<VertId>& among, const IdVector<VertId, GlobalId>& vert2gid) {
+  std::vector<Candidate> candidates;
+  for (const VertId v : among) {
+    if (vert2gid[v] != kNoGlobal) candidates.push_back({vert2gid[v], v});
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.gid < b.gid; });
   std::vector<Rank> dest(candidates.size());
   std::vector<Copy> copies(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -83,8 +85,16 @@ Sharing find_sharing(const Comm& comm, const TetMesh& mesh, const IdVector<VertI
   return s;
 }
 
-void rebuild_sharing(const Comm& comm, DistMesh& dist) {
-  dist.sharing = find_sharing(comm, dist.mesh, dist.vert2gid);
+}  // namespace
+
+Sharing find_sharing(const Comm& comm, const TetMesh& mesh, const IdVector<VertId, GlobalId>& vert2gid) {
+  return find_sharing(comm, open_vertices(mesh), vert2gid);
+}
+
+void rebuild_sharing(const Comm& comm, DistMesh& dist) { rebuild_sharing(comm, dist, open_vertices(dist.mesh)); }
+
+void rebuild_sharing(const Comm& comm, DistMesh& dist, const std::vector<VertId>& among) {
+  dist.sharing = find_sharing(comm, among, dist.vert2gid);
   for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kFrozen);
   for (const VertId v : dist.sharing.vert) dist.mesh.vert_flags[v] |= kFrozen;
 }

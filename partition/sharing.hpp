@@ -1,5 +1,7 @@
 // Who shares which vertex: sharing lists made anew from the mesh, and what must agree on all copies.
 #pragma once
+#include <vector>
+
 #include "comm/comm.hpp"
 #include "partition/dist_mesh.hpp"
 
@@ -10,8 +12,10 @@ namespace skein {
 /// taken as not shared.
 Sharing find_sharing(const Comm& comm, const TetMesh& mesh, const IdVector<VertId, GlobalId>& vert2gid);
 
-/// Collective. find_sharing into dist.sharing; kFrozen on the shared vertices and nowhere else.
+/// Collective. find_sharing into dist.sharing; kFrozen on the shared vertices and nowhere else. `among`: only these may
+/// be shared.
 void rebuild_sharing(const Comm& comm, DistMesh& dist);
+void rebuild_sharing(const Comm& comm, DistMesh& dist, const std::vector<VertId>& among);
 
 /// Collective. Every copy of a shared vertex gets the flags that any copy has.
 void merge_vertex_flags(const Comm& comm, DistMesh& dist);

@@ -142,8 +142,13 @@ void even_out(const Comm& comm, DistMesh& dist, int parts) {
 /// nothing frozen, and only what this has left in a bad state beside frozen vertices (kHeld) is looked at again. Tells
 /// whether any are left; otherwise there is nothing to do.
 bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never_free) {
-  if (!mark_active_band(comm, dist, kActiveLayers, never_free)) return false;
-  migrate(comm, dist, displace_interface(comm, dist, kLayers, round, never_free));
+  const auto moves = [&]() -> std::optional<Moves> {
+    InterfaceRegion region(comm, dist, std::max(kActiveLayers, kLayers));
+    if (!region.mark_active(kActiveLayers, never_free)) return {};
+    return region.displace(kLayers, round, never_free);
+  }();
+  if (!moves) return false;
+  migrate(comm, dist, *moves);
   return true;
 }
 

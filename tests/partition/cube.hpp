@@ -15,6 +15,7 @@
 #include "metric/tensor.hpp"
 #include "partition/distribute.hpp"
 #include "partition/gather_slices.hpp"
+#include "partition/interface.hpp"
 #include "partition/migrate.hpp"
 #include "partition/reconcile.hpp"
 
@@ -218,6 +219,20 @@ inline IdVector<TetId, Rank> scatter(const Comm& comm, const DistMesh& dist, uns
   IdVector<TetId, Rank> dest(dist.mesh.tet_slots());
   for (auto& r : dest) r = to_id<Rank>(random() % static_cast<unsigned>(comm.size()));
   return dest;
+}
+
+/// Collective. What InterfaceRegion::displace gives, as a rank for each tetrahedron.
+inline IdVector<TetId, Rank> displace_interface(const Comm& comm, DistMesh& dist, int layers, int round,
+                                                GlobalId before = kEveryGlobal) {
+  IdVector<TetId, Rank> dest(dist.mesh.tet_slots(), comm.rank());
+  const Moves moves = InterfaceRegion(comm, dist, layers).displace(layers, round, before);
+  for (std::size_t i = 0; i < moves.tets.size(); ++i) dest[moves.tets[i]] = moves.to[i];
+  return dest;
+}
+
+/// Collective. What InterfaceRegion::mark_active does.
+inline bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId before = kEveryGlobal) {
+  return InterfaceRegion(comm, dist, layers).mark_active(layers, before);
 }
 
 /// Collective. The whole mesh on all ranks with the log-metric log_metric(x) as data.

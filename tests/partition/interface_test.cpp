@@ -74,7 +74,7 @@ TEST(Interface, UncontestedVerticesAreNotSharedAfterwards) {
 TEST(Interface, PrioritiesChangeWithTheRound) {
   const Comm& comm = world();
   if (comm.size() == 1) return;
-  const DistMesh dist = distribute(comm, slices(comm, cube(4)));
+  DistMesh dist = distribute(comm, slices(comm, cube(4)));
   std::int32_t differ = 0;
   const auto first = displace_interface(comm, dist, 0, 0);
   for (int round = 1; round < 12; ++round) differ |= displace_interface(comm, dist, 0, round) == first ? 0 : 1;

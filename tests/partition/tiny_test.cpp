@@ -42,7 +42,7 @@ TEST(Tiny, NoTetrahedraAtAll) {
   const Comm& comm = world();
   const Whole nothing;
   DistMesh dist = distribute(comm, slices(comm, nothing));
-  migrate(comm, dist, {});
+  migrate(comm, dist, Moves{});
   EXPECT_NO_THROW(reconcile(comm, dist));
   EXPECT_EQ(dist.global_tets, 0);
 }

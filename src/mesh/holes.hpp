@@ -1,0 +1,80 @@
+// Slots that have become free in the arrays of a mesh, filled from the end: what is moved is as little as can be.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "mesh/tet_mesh.hpp"
+
+namespace skein {
+
+/// The places `free` (ascending, each once) of n are taken by what lies at the end: calls move(from, to) for each.
+/// Gives what n becomes.
+template <Identifier Id, class Move>
+std::size_t fill_holes(const std::vector<Id>& free, std::size_t n, Move&& move) {
+  std::size_t hole = 0, holes = free.size();
+  while (hole < holes) {
+    const Id last = to_id<Id>(--n);
+    if (free[holes - 1] == last) {
+      --holes;
+    } else {
+      move(last, free[hole++]);
+    }
+  }
+  return n;
+}
+
+/// Makes two faces neighbours.
+inline void link_faces(TetMesh& m, FaceId f, FaceId g) noexcept {
+  m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g;
+  m.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
+}
+
+/// Makes neighbours of those among the faces that have the same vertices. @pre no three of them have.
+void link_equal_faces(TetMesh& m, std::span<const FaceId> faces);
+
+/// The arrays of the tetrahedra to n items; when they grow, without room for more, since growing the usual way doubles.
+void resize_tets(TetMesh& m, std::size_t n);
+/// The same for the vertices' arrays; new ones are cleared.
+void resize_verts(TetMesh& m, std::size_t n);
+
+/// Takes out the tetrahedra `free` (ascending), to which nothing leads any more. Neighbours and vert2tet follow those
+/// that move. @pre no other free slots.
+void fill_free_tets(TetMesh& m, const std::vector<TetId>& free);
+
+/// The numbers of vertices after some have moved to others' places.
+class MovedVerts {
+ public:
+  MovedVerts(std::size_t first, std::size_t n) : first_(first), old2new_(n, kNoVert) {}
+  [[nodiscard]] VertId operator()(VertId v) const noexcept {
+    return moves(v) ? old2new_[to_id<VertId>(idx(v) - first_)] : v;
+  }
+  [[nodiscard]] bool moves(VertId v) const noexcept { return idx(v) >= first_; }
+  void set(VertId from, VertId to) noexcept { old2new_[to_id<VertId>(idx(from) - first_)] = to; }
+
+ private:
+  std::size_t first_;                 ///< all before it stay where they are
+  IdVector<VertId, VertId> old2new_;  ///< of those from first_ on; kNoVert for free ones
+};
+
+/// Part of fill_free_verts: tetrahedra and feature edges take the vertices' new numbers.
+void follow(TetMesh& m, const MovedVerts& now);
+
+/// Takes out the vertices `free` (ascending), at which there are no tetrahedra. Tetrahedra and feature edges follow
+/// those that move; what else belongs to the vertices moves in `also`, a function (from, to).
+template <class Also>
+MovedVerts fill_free_verts(TetMesh& m, const std::vector<VertId>& free, Also&& also) {
+  MovedVerts now(m.vert_slots() - free.size(), free.size());
+  const std::size_t n = fill_holes(free, m.vert_slots(), [&](VertId from, VertId to) {
+    m.coords[to] = m.coords[from];
+    m.vert_ref[to] = m.vert_ref[from];
+    m.vert_flags[to] = m.vert_flags[from];
+    m.vert2tet[to] = m.vert2tet[from];
+    also(from, to);
+    now.set(from, to);
+  });
+  if (!free.empty()) follow(m, now);
+  resize_verts(m, n);
+  return now;
+}
+
+}  // namespace skein
