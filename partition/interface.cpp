@@ -27,16 +27,20 @@ std::int64_t highest(const TetMesh& m, TetId t, const std::vector<std::int64_t>&
 }  // namespace
 
 InterfaceRegion::InterfaceRegion(const Comm& comm, DistMesh& dist, int layers)
-    : comm_(comm), dist_(dist), halo_(comm, dist.sharing) {
-  const TetMesh& m = dist.mesh;
-  std::vector<VertId> seeds = dist.sharing.vert;
+    : comm_(comm), dist_(dist), halo_(comm, dist.sharing), layers_(std::max(layers, kReach)) {}
+
+void InterfaceRegion::find_tets() {
+  if (found_) return;
+  found_ = true;
+  const TetMesh& m = dist_.mesh;
+  std::vector<VertId> seeds = dist_.sharing.vert;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     if (m.has(v, kHeld)) seeds.push_back(v);
   }
   if (seeds.empty()) return;
   Surroundings near(m, std::move(seeds));
   near.add_all_tets();
-  for (int l = 0; l < std::max(layers, kReach); ++l) {
+  for (int l = 0; l < layers_; ++l) {
     near.add_vertices();
     near.add_tets();
   }
@@ -81,9 +85,10 @@ std::vector<char> InterfaceRegion::to_be_freed(GlobalId before) const {
   return wanted;
 }
 
-Moves InterfaceRegion::displace(int layers, int round, GlobalId before) const {
+Moves InterfaceRegion::displace(int layers, int round, GlobalId before) {
   const TetMesh& m = dist_.mesh;
   const Sharing& sharing = dist_.sharing;
+  find_tets();
   const std::vector<char> wanted = to_be_freed(before);
   Labels label(m.vert_slots(), 0);
   if (round == 1) {
@@ -120,11 +125,13 @@ bool InterfaceRegion::mark_active(int layers, GlobalId before) {
     any |= label[idx(v)];
     if (label[idx(v)] != 0) m.vert_flags[v] |= kHeld;
   }
-  for (int l = 0; l < layers; ++l) spread(label);
+  any = comm_.max(any);
+  if (any != 0) find_tets();
+  for (int l = 0; any != 0 && l < layers; ++l) spread(label);
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));
   }
-  return comm_.max(any) != 0;
+  return any != 0;
 }
 
 GlobalId number_new_vertices(const Comm& comm, DistMesh& dist) {

@@ -30,16 +30,19 @@ class InterfaceRegion {
   /// and `layers` more layers of tetrahedra. In round 1, with all interfaces at stake, Duels share them out evenly;
   /// later one order of the ranks, another one in each round, leaves less. It also decides between two such regions, so
   /// an old interface vertex stays shared only where they meet. Tetrahedra elsewhere stay.
-  [[nodiscard]] Moves displace(int layers, int round, GlobalId before = kEveryGlobal) const;
+  [[nodiscard]] Moves displace(int layers, int round, GlobalId before = kEveryGlobal);
 
  private:
   using Labels = std::vector<std::int64_t>;  ///< per vertex; 0: none
+  void find_tets();
   void spread(Labels& label) const;
   [[nodiscard]] std::vector<char> to_be_freed(GlobalId before) const;
 
   const Comm& comm_;
   DistMesh& dist_;
   Halo halo_;
+  int layers_;
+  bool found_ = false;       ///< tets_ is there: not before it is needed
   std::vector<TetId> tets_;  ///< ascending
 };
 
