@@ -29,7 +29,7 @@ constexpr double kHardQuality = 0.45;
 constexpr std::int64_t kSettled = 20;
 constexpr int kMostTurns = 5;
 /// A mesh that has grown by this factor is put in order again, if it is larger than the caches.
-constexpr std::size_t kGrowth = 4, kSmallMesh = 100'000;
+constexpr std::size_t kGrowth = 2, kSmallMesh = 50'000;
 constexpr std::size_t kAhead = 2;  ///< moves between asking for data and using them
 constexpr int kTetsAhead = 16;     ///< the same for the tetrahedra of a sweep
 constexpr unsigned kFetching = kSwapPass | kInsertPass | kCollapsePass;  ///< sweeps that read the neighbours
