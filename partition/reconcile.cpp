@@ -49,31 +49,44 @@ void check_arrays(const DistMesh& dist, Fault& fault) {
     fault.tell("the arrays of the mesh differ in length");
 }
 
+/// What one thread finds out about its tetrahedra.
+struct Adjacency {
+  Fault fault;
+  std::vector<FaceId> open;  ///< faces without a local neighbour
+};
+
 /// Of the tetrahedra [first, last).
-void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, Fault& fault) {
+void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, Adjacency& out) {
   const TetMesh& m = dist.mesh;
   for (const TetId t : IdRange<TetId>(first, last)) {
     for (std::size_t k = 0; k < 4; ++k) {
       const FaceId f = m.tet2face[t][k], me = make_face(t, static_cast<int>(k));
-      if (f == kNoFace) continue;
+      if (f == kNoFace) {
+        out.open.push_back(me);
+        continue;
+      }
       if (idx(face_tet(f)) >= m.tet_slots() || m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] != me)
-        return fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(t), k);
+        return out.fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(t), k);
       if (is_hull(m.face_tag[t][k]))
-        return fault.tell("tetrahedron {}, face {}: a hull face has a neighbour", num(t), k);
+        return out.fault.tell("tetrahedron {}, face {}: a hull face has a neighbour", num(t), k);
     }
   }
 }
 
-void check_adjacency(const DistMesh& dist, int threads, Fault& fault) {
-  std::vector<Fault> found(static_cast<std::size_t>(threads));
+/// Gives the faces without a local neighbour, ascending.
+std::vector<FaceId> check_adjacency(const DistMesh& dist, int threads, Fault& fault) {
+  std::vector<Adjacency> found(static_cast<std::size_t>(threads));
   const std::size_t n = dist.mesh.tet_slots();
   in_parallel(threads, [&](int w) {
     check_adjacency(dist, share_begin(n, w, threads), share_begin(n, w + 1, threads),
                     found[static_cast<std::size_t>(w)]);
   });
-  for (const Fault& f : found) {
-    if (!f.line().empty()) fault.tell("{}", f.line());
+  std::vector<FaceId> open;
+  for (const Adjacency& a : found) {
+    if (!a.fault.line().empty()) fault.tell("{}", a.fault.line());
+    open.insert(open.end(), a.open.begin(), a.open.end());
   }
+  return open;
 }
 
 struct OuterFace {
@@ -83,27 +96,24 @@ struct OuterFace {
   std::int32_t odd;
 };
 
-/// Faces without a local neighbour. Tells vertices without a number, and interface vertices that are not shared.
-std::vector<OuterFace> outer_faces(const DistMesh& dist, Fault& fault) {
+/// These faces without a local neighbour. Tells vertices without a number, and interface vertices that are not shared.
+std::vector<OuterFace> outer_faces(const DistMesh& dist, const std::vector<FaceId>& open, Fault& fault) {
   const TetMesh& m = dist.mesh;
   IdVector<VertId, char> shared(m.vert_slots(), 0);
   for (const VertId v : dist.sharing.vert) shared[v] = 1;
   std::vector<OuterFace> faces;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (m.tet2face[t][k] != kNoFace) continue;
-      const FaceId f = make_face(t, static_cast<int>(k));
-      const auto v = face_verts(m, f);
-      const FaceKey key = face_key(m, dist.vert2gid, f);
-      const bool hull = is_hull(m.face_tag[t][k]);
-      if (key.gid[0] == kNoGlobal && hull) continue;  // new: nobody else can have it
-      for (const VertId w : v) {
-        if (hull || (shared[w] != 0 && dist.vert2gid[w] != kNoGlobal)) continue;
-        fault.tell("vertex {} (global id) is on an interface face but in no sharing list", num(dist.vert2gid[w]));
-      }
-      const std::uint64_t bits = fingerprint(dist, v[0]) + fingerprint(dist, v[1]) + fingerprint(dist, v[2]);
-      faces.push_back({key.gid, bits, m.face_tag[t][k], key.odd ? 1 : 0});
+  for (const FaceId f : open) {
+    const FaceTag tag = m.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))];
+    const auto v = face_verts(m, f);
+    const FaceKey key = face_key(m, dist.vert2gid, f);
+    const bool hull = is_hull(tag);
+    if (key.gid[0] == kNoGlobal && hull) continue;  // new: nobody else can have it
+    for (const VertId w : v) {
+      if (hull || (shared[w] != 0 && dist.vert2gid[w] != kNoGlobal)) continue;
+      fault.tell("vertex {} (global id) is on an interface face but in no sharing list", num(dist.vert2gid[w]));
     }
+    const std::uint64_t bits = fingerprint(dist, v[0]) + fingerprint(dist, v[1]) + fingerprint(dist, v[2]);
+    faces.push_back({key.gid, bits, tag, key.odd ? 1 : 0});
   }
   return faces;
 }
@@ -115,15 +125,17 @@ void judge_faces(std::vector<OuterFace> met, Fault& fault) {
     while (j < met.size() && met[j].gid == met[i].gid) ++j;
     const OuterFace &a = met[i], &b = met[j - 1];
     const bool hull = is_hull(static_cast<FaceTag>(a.tag));
-    const auto name = fmt::format("face {} {} {} (global ids)", num(a.gid[0]), num(a.gid[1]), num(a.gid[2]));
+    const auto name = [&] {
+      return fmt::format("face {} {} {} (global ids)", num(a.gid[0]), num(a.gid[1]), num(a.gid[2]));
+    };
     if (j - i != (hull ? 1u : 2u)) {
-      fault.tell("{} {} {} copies", hull ? "hull" : "interface", name, j - i);
+      fault.tell("{} {} {} copies", hull ? "hull" : "interface", name(), j - i);
     } else if (!hull && a.odd == b.odd) {
-      fault.tell("interface {} has both tetrahedra on one side", name);
+      fault.tell("interface {} has both tetrahedra on one side", name());
     } else if (!hull && a.bits != b.bits) {
-      fault.tell("interface {} differs between its two ranks in coordinates or data", name);
+      fault.tell("interface {} differs between its two ranks in coordinates or data", name());
     } else if (!hull && a.tag != b.tag) {
-      fault.tell("interface {} has tag {} on one rank and {} on the other", name, a.tag, b.tag);
+      fault.tell("interface {} has tag {} on one rank and {} on the other", name(), a.tag, b.tag);
     }
     i = j;
   }
@@ -197,8 +209,8 @@ GlobalId first_repeated(const IdVector<VertId, GlobalId>& ids) {
   return kNoGlobal;
 }
 
-void check_lists(const Comm& comm, const DistMesh& dist, Fault& fault) {
-  const Sharing truth = find_sharing(comm, dist.mesh, dist.vert2gid);
+void check_lists(const Comm& comm, const DistMesh& dist, const std::vector<FaceId>& open, Fault& fault) {
+  const Sharing truth = find_sharing(comm, verts_of(dist.mesh, open), dist.vert2gid);
   const Sharing& s = dist.sharing;
   if (truth.gid != s.gid || truth.vert != s.vert || truth.offset != s.offset || truth.rank != s.rank)
     fault.tell("the sharing list ({} vertices) does not name the copies that there are ({} vertices)", s.size(),
@@ -229,13 +241,13 @@ void reconcile(const Comm& comm, const DistMesh& dist, int threads) {
   Fault fault;
   check_arrays(dist, fault);
   agree_on(comm, fault);  // what follows relies on it
-  check_adjacency(dist, threads, fault);
-  const auto faces = outer_faces(dist, fault);
+  const std::vector<FaceId> open = check_adjacency(dist, threads, fault);
+  const auto faces = outer_faces(dist, open, fault);
   std::vector<Rank> dest(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) dest[i] = meeting_rank(faces[i].gid, comm.size());
   judge_faces(exchange_items(comm, dest, faces).items, fault);
   check_shared(comm, dist, fault);
-  check_lists(comm, dist, fault);
+  check_lists(comm, dist, open, fault);
   check_counts(comm, dist, fault);
   agree_on(comm, fault);
 }

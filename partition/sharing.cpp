@@ -20,25 +20,21 @@ struct Candidate {
   VertId vert;
 };
 
-/// The vertices on faces without a local neighbour.
-std::vector<VertId> open_vertices(const TetMesh& m) {
+}  // namespace
+
+std::vector<VertId> verts_of(const TetMesh& m, const std::vector<FaceId>& faces) {
   IdVector<VertId, char> seen(m.vert_slots(), 0);
   std::vector<VertId> out;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (!m.is_live(t)) continue;
-    for (int f = 0; f < 4; ++f) {
-      if (m.tet2face[t][static_cast<std::size_t>(f)] != kNoFace) continue;
-      for (const VertId v : face_verts(m, make_face(t, f))) {
-        if (seen[v] != 0) continue;
-        seen[v] = 1;
-        out.push_back(v);
-      }
+  for (const FaceId f : faces) {
+    for (const VertId v : face_verts(m, f)) {
+      if (seen[v] != 0) continue;
+      seen[v] = 1;
+      out.push_back(v);
     }
   }
   return out;
 }
 
-/// Collective. Those of the vertices that other ranks have, too.
 Sharing find_sharing(const Comm& comm, const std::vector<VertId>& among, const IdVector<VertId, GlobalId>& vert2gid) {
   std::vector<Candidate> candidates;
   for (const VertId v : among) {
@@ -85,13 +81,16 @@ Sharing find_sharing(const Comm& comm, const std::vector<VertId>& among, const I
   return s;
 }
 
-}  // namespace
-
-Sharing find_sharing(const Comm& comm, const TetMesh& mesh, const IdVector<VertId, GlobalId>& vert2gid) {
-  return find_sharing(comm, open_vertices(mesh), vert2gid);
+void rebuild_sharing(const Comm& comm, DistMesh& dist) {
+  const TetMesh& m = dist.mesh;
+  std::vector<FaceId> open;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (m.is_live(t) && m.tet2face[t][k] == kNoFace) open.push_back(make_face(t, static_cast<int>(k)));
+    }
+  }
+  rebuild_sharing(comm, dist, verts_of(m, open));
 }
-
-void rebuild_sharing(const Comm& comm, DistMesh& dist) { rebuild_sharing(comm, dist, open_vertices(dist.mesh)); }
 
 void rebuild_sharing(const Comm& comm, DistMesh& dist, const std::vector<VertId>& among) {
   dist.sharing = find_sharing(comm, among, dist.vert2gid);

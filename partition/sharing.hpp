@@ -7,13 +7,16 @@
 
 namespace skein {
 
-/// Collective. The vertices that other ranks have, too, by a rendezvous of all vertices on faces without a local
-/// neighbour (hull faces as well: the tetrahedra at a vertex may be pinched apart). Vertices with kNoGlobal are new and
-/// taken as not shared.
-Sharing find_sharing(const Comm& comm, const TetMesh& mesh, const IdVector<VertId, GlobalId>& vert2gid);
+/// The vertices of these faces, each once.
+std::vector<VertId> verts_of(const TetMesh& mesh, const std::vector<FaceId>& faces);
 
-/// Collective. find_sharing into dist.sharing; kFrozen on the shared vertices and nowhere else. `among`: only these may
-/// be shared.
+/// Collective. Those of the vertices `among` that other ranks have, too, by a rendezvous. All that are shared must be
+/// among them; vertices on faces without a local neighbour will do (hull faces as well: the tetrahedra at a vertex may
+/// be pinched apart). Vertices with kNoGlobal are new and taken as not shared.
+Sharing find_sharing(const Comm& comm, const std::vector<VertId>& among, const IdVector<VertId, GlobalId>& vert2gid);
+
+/// Collective. find_sharing into dist.sharing; kFrozen on the shared vertices and nowhere else. Without `among`, from
+/// the faces of the whole mesh.
 void rebuild_sharing(const Comm& comm, DistMesh& dist);
 void rebuild_sharing(const Comm& comm, DistMesh& dist, const std::vector<VertId>& among);
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kActiveLayers = 1;               ///< round old interfaces that are worked on again
 constexpr int kMargin = 1;                     ///< layers round these that cavities may reach into
-constexpr std::size_t kSmallestBand = 50'000;  ///< the same for a band, which is mostly interface when it is cut
 constexpr std::size_t kSmallest = 2000;        ///< tetrahedra per thread below which threads do not pay
+constexpr std::size_t kSmallestBand = 50'000;  ///< the same for a band, of which few are worked on
 
 IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
@@ -60,12 +60,44 @@ void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalR
   squeeze_all(mesh, metric, result.old2new);
 }
 
+/// The coordinate along which points extend furthest, as a function of a point.
+auto longest_axis(const std::vector<Vec3>& points) {
+  Vec3 low = points.front(), high = low;
+  for (const Vec3& x : points) {
+    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+  }
+  const Vec3 d = high - low;
+  double Vec3::*const axis = d.x >= d.y && d.x >= d.z ? &Vec3::x : d.y >= d.z ? &Vec3::y : &Vec3::z;
+  return [axis](const Vec3& x) { return x.*axis; };
+}
+
 /// More than a tenth of the vertices, now or in the end, are frozen: a small part inside a refined interface. Cutting
 /// that once more gives blocks that are all interface, whose needles cost more than the threads gain.
 bool mostly_interface(const TetMesh& mesh, const MetricField& metric) {
   std::int64_t frozen = 0;
   for (const auto f : mesh.vert_flags) frozen += (f & kFrozen) != 0 ? 1 : 0;
   return 10 * frozen > std::ssize(mesh.vert_flags.raw()) && 10 * frozen > expected_points(mesh, metric);
+}
+
+/// Slabs of equal numbers of tetrahedra across the longest side of the mesh: for a band, in which there is so little to
+/// do that a better cut would cost more than the work.
+BlockLabels cut_slabs(const TetMesh& mesh, int slabs) {
+  const auto along = longest_axis(mesh.coords.raw());
+  const std::size_t n = mesh.tet_slots();
+  std::vector<double> place(n);
+  for (const TetId t : IdRange<TetId>(n)) {
+    for (const VertId v : mesh.tet2vert[t]) place[idx(t)] += along(mesh.coords[v]);
+  }
+  BlockLabels label(n, 0);
+  std::vector<double> sorted = place;
+  for (int b = 1; b < slabs; ++b) {
+    const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(share_begin(n, b - 1, slabs));
+    const auto bound = sorted.begin() + static_cast<std::ptrdiff_t>(share_begin(n, b, slabs));
+    std::nth_element(begin, bound, sorted.end());
+    for (std::size_t t = 0; t < n; ++t) label.raw()[t] += place[t] >= *bound ? 1 : 0;
+  }
+  return label;
 }
 
 /// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the vertices between the blocks.
@@ -148,8 +180,7 @@ void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& 
   Band band = cut_band(mesh, data, active_near(mesh, held, kActiveLayers), kMargin);
   LocalOptions of_band = o;
   of_band.kernel.only_held = true;
-  const std::size_t n = band.mesh.tet_slots();
-  if (n < kSmallestBand * static_cast<std::size_t>(o.threads) || 2 * n > mesh.tet_slots()) of_band.threads = 1;
+  if (2 * band.mesh.tet_slots() > mesh.tet_slots()) of_band.threads = 1;
   const LocalResult r = adapt_local(band.mesh, band.metric, of_band);
   result.counts += r.counts;
   put_back(mesh, data, band, r.old2new);
@@ -165,11 +196,13 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
-  if (o.threads <= 1 || mesh.tet_slots() < kSmallest * static_cast<std::size_t>(o.threads) ||
-      mostly_interface(mesh, metric)) {
+  const bool band = o.kernel.only_held;  // nearly as it shall be, so its cut needs no refinement
+  if (o.threads <= 1 || mesh.tet_slots() < (band ? kSmallestBand : kSmallest) * static_cast<std::size_t>(o.threads) ||
+      (!band && mostly_interface(mesh, metric))) {
     run_alone(mesh, metric, o, result);
   } else {
-    const auto between = run_blocks(mesh, metric, cut_blocks(mesh, metric, o.threads), o, result);
+    const auto label = band ? cut_slabs(mesh, o.threads) : cut_blocks(mesh, metric, o.threads);
+    const auto between = run_blocks(mesh, metric, label, o, result);
     run_between(mesh, metric, between, o, result);
   }
   return result;
