@@ -45,7 +45,6 @@ void InterfaceRegion::find_tets() {
     near.add_tets();
   }
   tets_ = near.tets();
-  std::sort(tets_.begin(), tets_.end());
 }
 
 /// One layer: vertices without a label take the highest of the tetrahedra at them, on all ranks.

@@ -36,7 +36,7 @@ constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good alre
 constexpr int kLayers = 1;               ///< by which interfaces between ranks move
 constexpr int kActiveLayers = 1;         ///< round old interfaces that are worked on again
 constexpr int kMendingRounds = 2;        ///< after the others, for what frozen vertices have left in a bad state
-constexpr int kMargin = 1;               ///< layers round these that cavities may reach into
+constexpr int kMargin = 0;               ///< layers round these that cavities may reach into
 
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;

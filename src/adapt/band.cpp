@@ -8,6 +8,7 @@
 
 #include "mesh/holes.hpp"
 #include "mesh/surroundings.hpp"
+#include "partition/feature_scan.hpp"
 
 namespace skein {
 namespace {
@@ -21,16 +22,14 @@ void cut_vertex(const TetMesh& m, const VertexAttributes& data, VertId v, bool i
   band.to_rank.push_back(v);
 }
 
-void cut_features(const TetMesh& m, TetId t, const std::array<VertId, 4>& in_band, Band& band) {
-  const auto& tv = m.tet2vert[t];
-  for (const auto& e : kEdgeVerts) {
-    const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
-    if (!m.has(tv[a], kRidge | kCorner) || !m.has(tv[b], kRidge | kCorner)) continue;
-    const FeatureEdge* f = m.features.find(tv[a], tv[b]);
-    if (f == nullptr || band.mesh.features.find(in_band[a], in_band[b]) != nullptr) continue;
-    band.mesh.features.insert(in_band[a], in_band[b], f->ref, f->ridge);
-    band.features.push_back(*f);
-  }
+void cut_features(const TetMesh& m, TetId t, const IdVector<VertId, VertId>& vert2band, Band& band) {
+  features_of(m, t, [&](std::uint32_t place) {
+    const FeatureEdge& e = m.features.list()[place];
+    const VertId a = vert2band[e.a], b = vert2band[e.b];
+    if (band.mesh.features.find(a, b) != nullptr) return;
+    band.mesh.features.insert(a, b, e.ref, e.ridge);
+    band.features.push_back(e);
+  });
 }
 
 /// Puts a band back; the steps share the numbers of what comes in.
@@ -207,16 +206,13 @@ Band cut_band(const TetMesh& m, const VertexAttributes& data, const std::vector<
   }
   near.add_tets();
   Band band;
-  band.tets.reserve(near.tets().size());
+  band.tets = near.tets();
   const auto tet2band = std::make_unique_for_overwrite<TetId[]>(m.tet_slots());  // of what is inside
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (!near.has(t)) continue;
-    tet2band[idx(t)] = to_id<TetId>(band.tets.size());
-    band.tets.push_back(t);
-  }
+  for (std::size_t i = 0; i < band.tets.size(); ++i) tet2band[idx(band.tets[i])] = to_id<TetId>(i);
   IdVector<VertId, VertId> vert2band(m.vert_slots(), kNoVert);
   TetMesh& b = band.mesh;
   b.reserve(2 * near.verts().size(), band.tets.size());
+  band.metric.reserve(2 * near.verts().size());
   for (const TetId t : band.tets) {
     std::array<VertId, 4> tv;
     std::array<FaceId, 4> tf;
@@ -238,7 +234,7 @@ Band cut_band(const TetMesh& m, const VertexAttributes& data, const std::vector<
     for (const VertId v : tv) b.vert2tet[v] = bt;
     b.face_tag.push_back(m.face_tag[t]);
     b.tet_ref.push_back(m.tet_ref[t]);
-    cut_features(m, t, tv, band);
+    if (m.features.size() != 0) cut_features(m, t, vert2band, band);
   }
   for (const VertId v : active) b.vert_flags[vert2band[v]] |= kActive;
   b.patch_ref = m.patch_ref;

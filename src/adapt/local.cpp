@@ -15,7 +15,7 @@ namespace skein {
 namespace {
 
 constexpr int kActiveLayers = 1;               ///< round old interfaces that are worked on again
-constexpr int kMargin = 1;                     ///< layers round these that cavities may reach into
+constexpr int kMargin = 0;                     ///< layers round these that cavities may reach into
 constexpr std::size_t kSmallest = 2000;        ///< tetrahedra per thread below which threads do not pay
 constexpr std::size_t kSmallestBand = 50'000;  ///< the same for a band, of which few are worked on
 

@@ -54,7 +54,15 @@ class Surroundings {
   [[nodiscard]] const std::vector<VertId>& verts() const noexcept { return verts_; }
   [[nodiscard]] bool has(VertId v) const noexcept { return seen_[v] != 0; }
   [[nodiscard]] bool has(TetId t) const noexcept { return inside_[t] != 0; }
-  [[nodiscard]] const std::vector<TetId>& tets() const noexcept { return tets_; }
+  /// The tetrahedra so far, ascending.
+  [[nodiscard]] std::vector<TetId> tets() const {
+    std::vector<TetId> out;
+    out.reserve(tets_.size());
+    for (const TetId t : IdRange<TetId>(inside_.size())) {
+      if (inside_[t] != 0) out.push_back(t);
+    }
+    return out;
+  }
 
  private:
   void enter(TetId t) {
