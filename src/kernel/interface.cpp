@@ -2,8 +2,8 @@
 #include "kernel/interface.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <queue>
-#include <unordered_map>
 
 #include "kernel/cavity.hpp"
 #include "kernel/shell.hpp"
@@ -34,6 +34,71 @@ GlobalId hashed_id(GlobalId a, GlobalId b) noexcept {
 /// without end.
 constexpr int kDeepest = 3;
 
+/// The vertex opposite an edge in an interface face, and a tetrahedron that has the face.
+struct Third {
+  VertId c;
+  TetId tet;
+  friend bool operator==(const Third&, const Third&) = default;
+};
+
+/// The faces at each interface edge: mostly two, four or more where parts touch in an edge only. Open addressing with
+/// an entry for each edge of a face.
+class EdgeFaces {
+ public:
+  void insert(VertId a, VertId b, Third third) {
+    if (2 * (used_ + 1) > entries_.size()) rehash();
+    std::size_t s = home(key(a, b));
+    while (entries_[s].key != kFree) s = next(s);
+    entries_[s] = {key(a, b), third};
+    ++used_;
+  }
+  void erase(VertId a, VertId b, Third third) noexcept {
+    const Key k = key(a, b);
+    for (std::size_t s = home(k); entries_[s].key != kFree; s = next(s)) {
+      if (entries_[s].key == k && entries_[s].third == third) entries_[s].key = kErased;
+    }
+  }
+  /// Calls visit(third) for those at the edge.
+  template <class Visit>
+  void for_each(VertId a, VertId b, Visit&& visit) const {
+    const Key k = key(a, b);
+    for (std::size_t s = home(k); !entries_.empty() && entries_[s].key != kFree; s = next(s)) {
+      if (entries_[s].key == k) visit(entries_[s].third);
+    }
+  }
+
+ private:
+  using Key = std::uint64_t;
+  static constexpr Key kFree = ~Key{0}, kErased = kFree - 1;
+  struct Entry {
+    Key key = kFree;
+    Third third{kNoVert, kNoTet};
+  };
+  static Key key(VertId a, VertId b) noexcept {
+    if (b < a) std::swap(a, b);
+    return static_cast<Key>(static_cast<std::uint32_t>(num(a))) << 32 | static_cast<std::uint32_t>(num(b));
+  }
+  [[nodiscard]] std::size_t home(Key k) const noexcept {
+    return static_cast<std::size_t>((k ^ k >> 29) * 0x9e3779b97f4a7c15ULL >> 20) & (entries_.size() - 1);
+  }
+  [[nodiscard]] std::size_t next(std::size_t s) const noexcept { return (s + 1) & (entries_.size() - 1); }
+  void rehash() {
+    std::vector<Entry> old;
+    old.swap(entries_);
+    std::erase_if(old, [](const Entry& e) { return e.key >= kErased; });
+    entries_.resize(std::bit_ceil(4 * old.size() + 64));
+    used_ = old.size();
+    for (const Entry& e : old) {
+      std::size_t s = home(e.key);
+      while (entries_[s].key != kFree) s = next(s);
+      entries_[s] = e;
+    }
+  }
+
+  std::vector<Entry> entries_;  ///< a power of two
+  std::size_t used_ = 0;        ///< erased ones, too
+};
+
 class InterfaceRefiner {
  public:
   InterfaceRefiner(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep)
@@ -59,17 +124,6 @@ class InterfaceRefiner {
       return ga != o.ga ? ga > o.ga : gb > o.gb;
     }
   };
-  using Key = std::uint64_t;
-  static Key edge_key(VertId a, VertId b) noexcept {
-    if (b < a) std::swap(a, b);
-    return static_cast<Key>(static_cast<std::uint32_t>(num(a))) << 32 | static_cast<std::uint32_t>(num(b));
-  }
-  /// The vertex opposite edge (a, b) in an interface face, and a tetrahedron that has the face.
-  struct Third {
-    VertId c;
-    TetId tet;
-  };
-
   /// How many splits have led to this vertex; the same in all parts that have it.
   [[nodiscard]] int generation(VertId v) const noexcept { return idx(v) < generation_.size() ? generation_[v] : 0; }
 
@@ -91,7 +145,8 @@ class InterfaceRefiner {
   IdVector<VertId, int> generation_;  ///< as far as there are new vertices
   Shell shell_;
   std::priority_queue<Entry> queue_;
-  std::unordered_map<Key, std::vector<Third>> thirds_;
+  EdgeFaces faces_;
+  std::vector<Third> ends_;
 };
 
 void InterfaceRefiner::enqueue(VertId a, VertId b) {
@@ -105,15 +160,12 @@ void InterfaceRefiner::enqueue(VertId a, VertId b) {
 
 void InterfaceRefiner::add_face(TetId t, int side) {
   const auto v = face_verts(part_.mesh, make_face(t, side));
-  for (std::size_t i = 0; i < 3; ++i) thirds_[edge_key(v[i], v[(i + 1) % 3])].push_back({v[(i + 2) % 3], t});
+  for (std::size_t i = 0; i < 3; ++i) faces_.insert(v[i], v[(i + 1) % 3], {v[(i + 2) % 3], t});
 }
 
 void InterfaceRefiner::remove_face(TetId t, int side) {
   const auto v = face_verts(part_.mesh, make_face(t, side));
-  for (std::size_t i = 0; i < 3; ++i) {
-    auto& list = thirds_[edge_key(v[i], v[(i + 1) % 3])];
-    std::erase_if(list, [&](const Third& d) { return d.c == v[(i + 2) % 3] && d.tet == t; });
-  }
+  for (std::size_t i = 0; i < 3; ++i) faces_.erase(v[i], v[(i + 1) % 3], {v[(i + 2) % 3], t});
 }
 
 void InterfaceRefiner::collect() {
@@ -125,7 +177,9 @@ void InterfaceRefiner::collect() {
       const auto v = face_verts(m, make_face(t, f));
       for (std::size_t i = 0; i < 3; ++i) {
         // Each edge once: when its first face comes.
-        if (thirds_[edge_key(v[i], v[(i + 1) % 3])].size() == 1) enqueue(v[i], v[(i + 1) % 3]);
+        int faces = 0;
+        faces_.for_each(v[i], v[(i + 1) % 3], [&](const Third&) { ++faces; });
+        if (faces == 1) enqueue(v[i], v[(i + 1) % 3]);
       }
     }
   }
@@ -165,9 +219,9 @@ bool InterfaceRefiner::split_fan(TetId t, VertId a, VertId b, VertId p) {
 
 bool InterfaceRefiner::split(VertId a, VertId b) {
   TetMesh& m = part_.mesh;
-  const auto at = thirds_.find(edge_key(a, b));
-  if (at == thirds_.end() || at->second.empty()) return true;
-  const auto ends = at->second;
+  ends_.clear();
+  faces_.for_each(a, b, [&](const Third& d) { ends_.push_back(d); });
+  if (ends_.empty()) return true;
   const VertId p = new_vertex(part_, shared_middle(m.coords[a], m.coords[b]),
                               shared_middle(part_.metric.log_at[a], part_.metric.log_at[b]), kFrozen);
   gid_.resize(m.vert_slots(), kNoGlobal);
@@ -175,10 +229,10 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
   generation_.resize(m.vert_slots(), 0);
   generation_[p] = 1 + std::max(generation(a), generation(b));
   // Several fans of this part may meet at the edge, with other parts between them.
-  while (true) {
-    const auto left = thirds_.find(edge_key(a, b));
-    if (left == thirds_.end() || left->second.empty()) break;
-    if (!split_fan(left->second.front().tet, a, b, p)) return false;
+  for (TetId left = ends_.front().tet; left != kNoTet;) {
+    if (!split_fan(left, a, b, p)) return false;
+    left = kNoTet;
+    faces_.for_each(a, b, [&](const Third& d) { left = d.tet; });
   }
   if (m.has(a, kRidge) && m.has(b, kRidge)) {
     if (const FeatureEdge* f = m.features.find(a, b)) {
@@ -192,11 +246,9 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
   ++part_.counts.insert;
   enqueue(a, p);
   enqueue(p, b);
-  std::vector<VertId> seen;
-  for (const Third& d : ends) {
-    if (std::find(seen.begin(), seen.end(), d.c) != seen.end()) continue;
-    seen.push_back(d.c);
-    enqueue(p, d.c);
+  for (auto d = ends_.begin(); d != ends_.end(); ++d) {
+    const auto same = [&](const Third& o) { return o.c == d->c; };
+    if (std::none_of(ends_.begin(), d, same)) enqueue(p, d->c);
   }
   return true;
 }
