@@ -5,8 +5,11 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
+#include "mesh/parallel.hpp"
 #include "metric/measure.hpp"
 #include "report/order_statistics.hpp"
 
@@ -100,22 +103,31 @@ TetSums tet_pass(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, s
   return all;
 }
 
-/// Tetrahedra at each vertex, in one flat list.
+/// Tetrahedra at each of the vertices [first, last), in one flat list.
 struct Balls {
-  std::vector<std::size_t> offset;
+  std::size_t first;
+  std::vector<std::uint32_t> offset;
   std::vector<TetId> tets;
+  [[nodiscard]] std::span<const TetId> at(std::size_t v) const noexcept {
+    return {tets.data() + offset[v - first], tets.data() + offset[v - first + 1]};
+  }
 };
-Balls balls(const TetMesh& m) {
-  Balls b;
-  b.offset.assign(m.vert_slots() + 1, 0);
+Balls balls(const TetMesh& m, std::size_t first, std::size_t last) {
+  Balls b{first, {}, {}};
+  const std::size_t n = last - first;
+  const auto place = [&](VertId v) { return idx(v) - first; };  // beyond n for others
+  b.offset.assign(n + 2, 0);
   for (const auto& v : m.tet2vert) {
-    for (const VertId a : v) ++b.offset[idx(a) + 1];
+    for (const VertId a : v) {
+      if (place(a) < n) ++b.offset[place(a) + 2];
+    }
   }
   std::partial_sum(b.offset.begin(), b.offset.end(), b.offset.begin());
   b.tets.resize(b.offset.back());
-  std::vector<std::size_t> at(b.offset.begin(), b.offset.end() - 1);
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (const VertId a : m.tet2vert[t]) b.tets[at[idx(a)]++] = t;
+    for (const VertId a : m.tet2vert[t]) {
+      if (place(a) < n) b.tets[b.offset[place(a) + 1]++] = t;
+    }
   }
   return b;
 }
@@ -135,10 +147,14 @@ struct EdgeSums {
   std::vector<LocalEdge> shared;  // both ends on other ranks, too: counted by the one whom the rendezvous names
 };
 
-/// Pass over the edges of this rank, each once, from its lower end.
-void edge_pass(const DistMesh& dist, const Balls& ball, const IdVector<VertId, VertMetric>* metric,
-               const std::vector<char>& is_shared, std::size_t first, std::size_t last, EdgeSums& s) {
+/// Pass over the edges whose lower end is one of the vertices [first, last), each once.
+EdgeSums edge_pass(const DistMesh& dist, const IdVector<VertId, VertMetric>* metric, const std::vector<char>& is_shared,
+                   std::size_t first, std::size_t last) {
+  constexpr std::size_t kEdgesPerVert = 7;  // a little more than there are
   const TetMesh& m = dist.mesh;
+  const Balls ball = balls(m, first, last);
+  EdgeSums s;
+  if (metric != nullptr) s.lengths.reserve(kEdgesPerVert * (last - first));
   IdVector<VertId, VertId> seen_from(m.vert_slots(), kNoVert);
   for (std::size_t i = first; i < last; ++i) {
     const auto a = to_id<VertId>(i);
@@ -152,14 +168,15 @@ void edge_pass(const DistMesh& dist, const Balls& ball, const IdVector<VertId, V
         s.lengths.push_back(edge_length((*metric)[a].m, (*metric)[b].m, m.coords[b] - m.coords[a]));
       }
     };
-    for (std::size_t k = ball.offset[i]; k < ball.offset[i + 1]; ++k) {
-      for (const VertId b : m.tet2vert[ball.tets[k]]) {
+    for (const TetId t : ball.at(i)) {
+      for (const VertId b : m.tet2vert[t]) {
         if (b <= a || seen_from[b] == a) continue;
         seen_from[b] = a;
         meet(b);
       }
     }
   }
+  return s;
 }
 
 /// Collective. Which of the edges this rank is to count: 1 or 0 for each. Of several ranks the lowest counts it.
@@ -193,89 +210,126 @@ std::vector<char> mine_to_count(const Comm& comm, const DistMesh& dist, const st
   return mine;
 }
 
+/// What is known of the edges that this rank counts.
+struct Edges {
+  std::int64_t count = 0;
+  std::vector<std::vector<double>> lengths;  ///< in pieces
+};
+
 /// Collective. All edges that this rank counts, and their lengths.
-EdgeSums edges_of(const Comm& comm, const DistMesh& dist, const IdVector<VertId, VertMetric>* metric, int threads) {
+Edges edges_of(const Comm& comm, const DistMesh& dist, const IdVector<VertId, VertMetric>* metric, int threads) {
   std::vector<char> is_shared(dist.mesh.vert_slots(), 0);
   for (const VertId v : dist.sharing.vert) is_shared[idx(v)] = 1;
   std::vector<EdgeSums> sums(static_cast<std::size_t>(threads));
-  {
-    const Balls ball = balls(dist.mesh);
-    const auto n = static_cast<std::int64_t>(dist.mesh.vert_slots());
-#pragma omp parallel for num_threads(threads) schedule(static, 1)
-    for (int w = 0; w < threads; ++w) {
-      edge_pass(dist, ball, metric, is_shared, static_cast<std::size_t>(n * w / threads),
-                static_cast<std::size_t>(n * (w + 1) / threads), sums[static_cast<std::size_t>(w)]);
-    }
+  const std::size_t n = dist.mesh.vert_slots();
+  in_parallel(threads, [&](int w) {
+    sums[static_cast<std::size_t>(w)] =
+        edge_pass(dist, metric, is_shared, share_begin(n, w, threads), share_begin(n, w + 1, threads));
+  });
+  Edges all;
+  std::vector<LocalEdge> shared;
+  for (EdgeSums& s : sums) {
+    all.count += s.edges;
+    all.lengths.push_back(std::move(s.lengths));
+    shared.insert(shared.end(), s.shared.begin(), s.shared.end());
   }
-  EdgeSums all = std::move(sums[0]);
-  for (std::size_t w = 1; w < sums.size(); ++w) {
-    all.edges += sums[w].edges;
-    all.lengths.insert(all.lengths.end(), sums[w].lengths.begin(), sums[w].lengths.end());
-    all.shared.insert(all.shared.end(), sums[w].shared.begin(), sums[w].shared.end());
-    sums[w] = {};
-  }
-  const std::vector<char> mine = mine_to_count(comm, dist, all.shared);
+  const std::vector<char> mine = mine_to_count(comm, dist, shared);
   for (std::size_t i = 0; i < mine.size(); ++i) {
     if (mine[i] == 0) continue;
-    const LocalEdge e = all.shared[i];
-    ++all.edges;
+    const LocalEdge e = shared[i];
+    ++all.count;
     if (metric != nullptr) {
       const Vec3 d = dist.mesh.coords[e.b] - dist.mesh.coords[e.a];
-      all.lengths.push_back(edge_length((*metric)[e.a].m, (*metric)[e.b].m, d));
+      all.lengths.back().push_back(edge_length((*metric)[e.a].m, (*metric)[e.b].m, d));
     }
   }
   return all;
 }
 
-struct Moments {
-  double min, mean, max;
+struct Interval {
+  double low, high;
 };
-/// Collective. @pre there is a value on some rank (n of them over all ranks).
-Moments moments(const Comm& comm, const std::vector<double>& values, std::int64_t n) {
+/// What can be said of numbers in one pass; `bounds` are the inner ones of the histogram.
+template <std::size_t kBounds>
+struct Summary {
   double low = kInfinity, high = -kInfinity, sum = 0;
-  for (const double v : values) low = std::min(low, v), high = std::max(high, v), sum += v;
-  return {comm.min(low), comm.sum(sum) / static_cast<double>(n), comm.max(high)};
-}
-/// Collective. Percentage of values in [low, high].
-double share(const Comm& comm, const std::vector<double>& values, std::int64_t n, double low, double high) {
-  std::int64_t in = 0;
-  for (const double v : values) in += v >= low && v <= high;
-  return 100 * static_cast<double>(comm.sum(in)) / static_cast<double>(n);
-}
+  std::int64_t inside = 0;  ///< in the interval, with its ends
+  std::array<std::int64_t, kBounds + 1> histogram{};
+};
 
-LengthStatistics length_statistics(const Comm& comm, const std::vector<double>& lengths) {
-  LengthStatistics s;
-  const std::int64_t n = comm.sum(static_cast<std::int64_t>(lengths.size()));
-  if (n == 0) return s;
-  const Moments m = moments(comm, lengths, n);
-  s.min = m.min, s.mean = m.mean, s.max = m.max;
-  const std::array<std::int64_t, 2> ks{percentile_index(1, n), percentile_index(99, n)};
-  const std::vector<double> p = order_statistics(comm, lengths, ks);
-  s.p1 = p[0], s.p99 = p[1];
-  s.unit_share = share(comm, lengths, n, std::numbers::sqrt2 / 2, std::numbers::sqrt2);
-  s.below_half = share(comm, lengths, n, 0, 0.5);
-  s.above_two = share(comm, lengths, n, 2, kInfinity);
-  const auto& bounds = length_bounds();
-  for (const double v : lengths) {
-    ++s.histogram[static_cast<std::size_t>(std::upper_bound(bounds.begin(), bounds.end(), v) - bounds.begin())];
+/// Of the rank's numbers.
+template <std::size_t kBounds>
+Summary<kBounds> summary(Pieces values, const std::array<double, kBounds>& bounds, Interval inside) {
+  std::vector<Summary<kBounds>> of_piece(values.size());
+  in_parallel(static_cast<int>(values.size()), [&](int w) {
+    Summary<kBounds> s;
+    for (const double v : values[static_cast<std::size_t>(w)]) {
+      s.low = std::min(s.low, v), s.high = std::max(s.high, v), s.sum += v;
+      std::size_t bin = 0;
+      for (const double bound : bounds) bin += v >= bound ? 1 : 0;
+      ++s.histogram[bin];
+      s.inside += v >= inside.low && v <= inside.high ? 1 : 0;
+    }
+    of_piece[static_cast<std::size_t>(w)] = s;
+  });
+  Summary<kBounds> all;
+  for (const auto& s : of_piece) {
+    all.low = std::min(all.low, s.low), all.high = std::max(all.high, s.high), all.sum += s.sum;
+    all.inside += s.inside;
+    for (std::size_t b = 0; b <= kBounds; ++b) all.histogram[b] += s.histogram[b];
   }
+  return all;
+}
+/// Collective. Of all ranks' numbers.
+template <std::size_t kBounds>
+Summary<kBounds> summary(const Comm& comm, Pieces values, const std::array<double, kBounds>& bounds, Interval inside) {
+  Summary<kBounds> s = summary(values, bounds, inside);
+  s.low = comm.min(s.low), s.high = comm.max(s.high), s.sum = comm.sum(s.sum), s.inside = comm.sum(s.inside);
   comm.reduce(std::span<std::int64_t>(s.histogram), Op::kSum);
   return s;
 }
+std::int64_t count(const Comm& comm, Pieces values) {
+  std::int64_t n = 0;
+  for (const auto& piece : values) n += std::ssize(piece);
+  return comm.sum(n);
+}
+/// % of n in the bins [first, last).
+template <std::size_t kBins>
+double share(const std::array<std::int64_t, kBins>& histogram, std::int64_t n, std::size_t first, std::size_t last) {
+  std::int64_t in = 0;
+  for (std::size_t b = first; b < last; ++b) in += histogram[b];
+  return 100 * static_cast<double>(in) / static_cast<double>(n);
+}
 
-QualityStatistics quality_statistics(const Comm& comm, const std::vector<double>& q) {
-  QualityStatistics s;
-  const std::int64_t n = comm.sum(static_cast<std::int64_t>(q.size()));
+LengthStatistics length_statistics(const Comm& comm, Pieces lengths) {
+  LengthStatistics s;
+  const std::int64_t n = count(comm, lengths);
   if (n == 0) return s;
-  const Moments m = moments(comm, q, n);
-  s.min = m.min, s.mean = m.mean;
+  const auto all = summary(comm, lengths, length_bounds(), {std::numbers::sqrt2 / 2, std::numbers::sqrt2});
+  s.min = all.low, s.mean = all.sum / static_cast<double>(n), s.max = all.high;
+  s.histogram = all.histogram;
+  s.below_half = share(s.histogram, n, 0, 3);
+  s.unit_share = 100 * static_cast<double>(all.inside) / static_cast<double>(n);
+  s.above_two = share(s.histogram, n, 11, 14);
+  const std::array<std::int64_t, 2> ks{percentile_index(1, n), percentile_index(99, n)};
+  const std::vector<double> p = order_statistics(comm, lengths, ks);
+  s.p1 = p[0], s.p99 = p[1];
+  return s;
+}
+
+QualityStatistics quality_statistics(const Comm& comm, Pieces q) {
+  static constexpr std::array<double, 9> kTenths{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
+  QualityStatistics s;
+  const std::int64_t n = count(comm, q);
+  if (n == 0) return s;
+  const auto all = summary(comm, q, kTenths, {0, 1});
+  s.min = all.low, s.mean = all.sum / static_cast<double>(n);
+  s.histogram = all.histogram;
+  s.below_01 = share(s.histogram, n, 0, 1), s.below_02 = share(s.histogram, n, 0, 2);
+  s.above_05 = share(s.histogram, n, 5, 10), s.above_08 = share(s.histogram, n, 8, 10);
   const std::array<std::int64_t, 2> ks{percentile_index(0.1, n), percentile_index(1, n)};
   const std::vector<double> p = order_statistics(comm, q, ks);
   s.p01 = p[0], s.p1 = p[1];
-  s.below_01 = share(comm, q, n, -1, 0.1), s.below_02 = share(comm, q, n, -1, 0.2);
-  s.above_05 = share(comm, q, n, 0.5, 2), s.above_08 = share(comm, q, n, 0.8, 2);
-  for (const double v : q) ++s.histogram[std::min<std::size_t>(9, static_cast<std::size_t>(v * 10))];
-  comm.reduce(std::span<std::int64_t>(s.histogram), Op::kSum);
   return s;
 }
 
@@ -318,12 +372,18 @@ MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metr
   s.dihedral.max = 180 / std::numbers::pi * std::acos(min_cos);
   s.dihedral.histogram_10deg = t.angles;
   comm.reduce(std::span<std::int64_t>(s.dihedral.histogram_10deg), Op::kSum);
-  if (with_metric) s.quality = quality_statistics(comm, q);
+  std::vector<std::span<const double>> pieces;
+  for (int w = 0; with_metric && w < threads; ++w) {
+    const std::size_t first = share_begin(q.size(), w, threads);
+    pieces.emplace_back(q.data() + first, share_begin(q.size(), w + 1, threads) - first);
+  }
+  if (with_metric) s.quality = quality_statistics(comm, pieces);
   q = {};
 
-  const EdgeSums e = edges_of(comm, dist, m, threads);
-  s.edges = comm.sum(e.edges);
-  if (with_metric) s.length = length_statistics(comm, e.lengths);
+  const Edges e = edges_of(comm, dist, m, threads);
+  s.edges = comm.sum(e.count);
+  pieces.assign(e.lengths.begin(), e.lengths.end());
+  if (with_metric) s.length = length_statistics(comm, pieces);
   return s;
 }
 

@@ -13,7 +13,7 @@ namespace skein {
 struct LengthStatistics {
   double unit_share = 0;  ///< % in [1/sqrt 2, sqrt 2]
   double min = 0, p1 = 0, mean = 0, p99 = 0, max = 0;
-  double below_half = 0, above_two = 0;  ///< % up to 0.5, % from 2
+  double below_half = 0, above_two = 0;  ///< % below 0.5, % from 2
   /// Edges by length; the bounds are length_bounds().
   std::array<std::int64_t, 14> histogram{};
 };
@@ -23,7 +23,7 @@ const std::array<double, 13>& length_bounds() noexcept;
 /// Metric mean ratio: 1 for the unit tetrahedron, 0 for a flat one (and for inverted ones).
 struct QualityStatistics {
   double min = 0, p01 = 0, p1 = 0, mean = 0;                      ///< p01: the 0.1st percentile
-  double below_01 = 0, below_02 = 0, above_05 = 0, above_08 = 0;  ///< % up to 0.1, 0.2; % from 0.5, 0.8
+  double below_01 = 0, below_02 = 0, above_05 = 0, above_08 = 0;  ///< % below 0.1, 0.2; % from 0.5, 0.8
   std::array<std::int64_t, 10> histogram{};                       ///< tetrahedra in tenths
 };
 

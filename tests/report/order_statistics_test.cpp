@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <span>
+#include <vector>
 
 #include "tests/support/world.hpp"
 
@@ -32,15 +35,20 @@ TEST(OrderStatistics, AreThoseOfTheSortedWhole) {
   }
   std::sort(sorted.begin(), sorted.end());
   const std::vector<std::int64_t> ks{0, 1, 10, 142, 143, 144, 500, 999, 1000};
-  const std::vector<double> found = order_statistics(comm, mine, ks);
-  for (std::size_t i = 0; i < ks.size(); ++i) EXPECT_EQ(found[i], sorted[static_cast<std::size_t>(ks[i])]) << ks[i];
+  const std::span<const double> whole(mine);
+  for (const std::size_t cut : {std::size_t{0}, mine.size() / 3, mine.size()}) {  // in two pieces
+    const std::array pieces{whole.first(cut), whole.subspan(cut)};
+    const std::vector<double> found = order_statistics(comm, pieces, ks);
+    for (std::size_t i = 0; i < ks.size(); ++i) EXPECT_EQ(found[i], sorted[static_cast<std::size_t>(ks[i])]) << ks[i];
+  }
 }
 
 TEST(OrderStatistics, OfOneNumberOnTheLastRank) {
   const Comm& comm = test::world();
   std::vector<double> mine;
   if (num(comm.rank()) == comm.size() - 1) mine.push_back(0.25);
-  EXPECT_EQ(order_statistics(comm, mine, std::vector<std::int64_t>{0}).at(0), 0.25);
+  const std::array pieces{std::span<const double>(mine)};
+  EXPECT_EQ(order_statistics(comm, pieces, std::vector<std::int64_t>{0}).at(0), 0.25);
 }
 
 TEST(OrderStatistics, PercentileIndexStaysInside) {
