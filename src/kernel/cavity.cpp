@@ -60,6 +60,18 @@ double Cavity::old_min_q3() const noexcept {
   return q;
 }
 
+double Cavity::old_burden() const noexcept {
+  double sum = 0;
+  for (const TetId t : old_) sum += burden(static_cast<double>(part_->q3[t]));
+  return sum;
+}
+
+double Cavity::new_burden() const noexcept {
+  double sum = 0;
+  for (const Fresh& f : fresh_) sum += burden(static_cast<double>(f.q3));
+  return sum;
+}
+
 Cavity::Entry& Cavity::lookup(VertId a, VertId b, VertId c) noexcept {
   if (b < a) std::swap(a, b);
   if (c < b) std::swap(b, c);

@@ -163,8 +163,9 @@ void Collapser::move_features(VertId v, VertId u) {
   }
 }
 
-template <class Wanted, class Floor>
-bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Wanted&& wanted, Floor&& floor_of_old_min) {
+template <class Wanted, class Floor, class Better>
+bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Wanted&& wanted, Floor&& floor_of_old_min,
+                        Better&& better) {
   if (!may_leave(v, u)) return false;
   TetMesh& m = part_->mesh;
   cavity_->clear();
@@ -174,7 +175,7 @@ bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Wanted&
     if (!facets_can_move(v, u)) return false;
     collect_facets(v);
   }
-  if (!cone(v, u, floor_of_old_min(cavity_->old_min_q3()))) return false;
+  if (!cone(v, u, floor_of_old_min(cavity_->old_min_q3())) || !better()) return false;
   if (surface) {
     if (!surface_allows(v, u)) return false;
     if (m.has(v, kRidge) && !ridge_allows(v, u)) return false;
@@ -189,15 +190,18 @@ bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Wanted&
   return true;
 }
 
+namespace {
+constexpr auto always = [] { return true; };
+}
+
 bool Collapser::collapse(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
   const auto floor = [&](double old_min) { return std::min(floor_q3, 0.5 * old_min); };
-  return attempt(
-      v, u, at, max_length, [] { return true; }, floor);
+  return attempt(v, u, at, max_length, always, floor, always);
 }
 
 bool Collapser::collapse_to_improve(VertId v, VertId u, TetId at, double max_length, double gain) {
   return attempt(
-      v, u, at, max_length, [] { return true; }, [&](double old_min) { return gain * old_min; });
+      v, u, at, max_length, always, [&](double old_min) { return gain * old_min; }, always);
 }
 
 bool Collapser::relaxes(VertId v, VertId u, TetId at) {
@@ -224,7 +228,14 @@ bool Collapser::relaxes(VertId v, VertId u, TetId at) {
 bool Collapser::collapse_to_relax(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
   const auto floor = [&](double old_min) { return std::min(floor_q3, old_min); };
   return attempt(
-      v, u, at, max_length, [&] { return relaxes(v, u, at); }, floor);
+      v, u, at, max_length, [&] { return relaxes(v, u, at); }, floor, always);
+}
+
+bool Collapser::collapse_to_lighten(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
+  constexpr double kGain = 0.99;
+  const auto floor = [&](double old_min) { return std::min(floor_q3, old_min); };
+  const auto lighter = [&] { return cavity_->new_burden() < kGain * cavity_->old_burden(); };
+  return attempt(v, u, at, max_length, always, floor, lighter);
 }
 
 }  // namespace skein

@@ -20,14 +20,19 @@ class Collapser {
   /// The same, but only if the strain of the edges that go is more than that of those that come, and no element gets
   /// worse that is below the floor.
   bool collapse_to_relax(VertId v, VertId u, TetId at, double max_length, double floor_q3);
+  /// The same, but only if the sum of burden() over the elements falls, and no element gets worse that is below the
+  /// floor.
+  bool collapse_to_lighten(VertId v, VertId u, TetId at, double max_length, double floor_q3);
 
  private:
   struct Facet {
     VertId x, y;  ///< triangle (v, x, y), counter-clockwise from outside
     FaceTag tag;
   };
-  template <class Wanted, class Floor>
-  bool attempt(VertId v, VertId u, TetId at, double max_length, Wanted&& wanted, Floor&& floor_of_old_min);
+  /// `wanted` is asked when the ball is in the cavity, `better` when all that is new is proposed.
+  template <class Wanted, class Floor, class Better>
+  bool attempt(VertId v, VertId u, TetId at, double max_length, Wanted&& wanted, Floor&& floor_of_old_min,
+               Better&& better);
   /// The edges from u have less strain than those from v, whose ball is in the cavity.
   [[nodiscard]] bool relaxes(VertId v, VertId u, TetId at);
   [[nodiscard]] bool may_leave(VertId v, VertId u) const noexcept;

@@ -100,6 +100,17 @@ void Inserter::collect_border() {
   }
 }
 
+bool Inserter::cone_is_good(VertId p, double floor_q3) {
+  if (!part_->careful) return true;
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    const auto& v = border_[i].v;
+    const double q3 = part_->quality_cubed(p, v[0], v[1], v[2]);
+    if (!(q3 > floor_q3)) return false;
+    cone_.set_q3(i, q3);
+  }
+  return true;
+}
+
 bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
   auto& old = cavity_->old_tets();
   // A cavity that is still not star-shaped after a few turns is a bad one, and each turn judges all of it again.
@@ -190,7 +201,7 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
   }
   if (link_too_close(p, min_length) || (seed_min < kGood && neighbours_too_close(p, min_length)))
     return InsertResult::kTooClose;
-  return InsertResult::kDone;
+  return cone_is_good(p, floor_q3) ? InsertResult::kDone : InsertResult::kRefused;
 }
 
 void Inserter::commit(VertId p) {

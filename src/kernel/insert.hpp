@@ -32,6 +32,8 @@ class Inserter {
   void grow(VertId p);
   /// The faces that the new point is joined to: into border_ and cone_.
   void collect_border();
+  /// With Part::careful: takes the careful measure over for all elements of the cone; false if one is below the floor.
+  [[nodiscard]] bool cone_is_good(VertId p, double floor_q3);
   bool shrink_and_cone(VertId p, std::size_t seeds, double floor_q3);
   [[nodiscard]] bool too_close(VertId p, double min_length);
   /// The same for the vertices behind the cavity's faces: where elements are bad, a near vertex need not be in the

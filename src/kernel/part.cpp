@@ -71,6 +71,7 @@ IdVector<VertId, VertId> compact(Part& p) {
   const std::size_t nv = p.mesh.vert_slots(), nt = p.mesh.tet_slots();
   permute(p.metric.at, verts, nv);
   permute(p.metric.log_at, verts, nv);
+  if (!p.anchors.empty()) permute(p.anchors, verts, nv);
   permute(p.q3, tets, nt);
   permute(p.dirty, tets, nt);
   permute(p.edges, tets, nt);
@@ -109,6 +110,7 @@ VertId new_vertex(Part& p, Vec3 x, const SymTensor& log_m, std::uint8_t flags) {
     m.vert_flags[v] = f;
     m.vert2tet[v] = kNoTet;
     p.metric.set_log(v, l);
+    if (!p.anchors.empty()) p.anchors[v] = {x, l};
     return v;
   }
   m.coords.push_back(x);
@@ -116,6 +118,7 @@ VertId new_vertex(Part& p, Vec3 x, const SymTensor& log_m, std::uint8_t flags) {
   m.vert_flags.push_back(f);
   m.vert2tet.push_back(kNoTet);
   p.metric.push_back_log(l);
+  if (!p.anchors.empty()) p.anchors.push_back({x, l});
   p.edge_class.push_back(0);
   return p.vert_mark.push_back(0);
 }

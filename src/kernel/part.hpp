@@ -1,6 +1,8 @@
 // Part: one worker's mesh with its metric, cached qualities and scratch memory. One part, no MPI, no threads.
 #pragma once
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -56,6 +58,13 @@ struct EdgeBits {
 inline constexpr std::array<std::array<std::uint8_t, 4>, 4> kEdgeOf{
     {{6, 0, 1, 2}, {0, 6, 3, 4}, {1, 3, 6, 5}, {2, 4, 5, 6}}};
 
+/// Where a vertex was when its metric came from outside, or where it was made, and the metric there. What is
+/// interpolated from there when it moves has the error of one interpolation, not of as many as it has moved.
+struct Anchor {
+  Vec3 x;
+  SymTensor log_m;
+};
+
 /// What a part has done.
 struct OperationCounts {
   std::int64_t insert = 0, collapse = 0, swap = 0, smooth = 0;
@@ -82,7 +91,8 @@ struct Part {
   const SpacingField* spacing = nullptr;  ///< not owned; intersected into the metric of every new vertex
   KernelOptions options;
   OperationCounts counts;
-  bool careful = false;  ///< elements are judged by least_quality_cubed
+  bool careful = false;              ///< elements are judged by least_quality_cubed
+  IdVector<VertId, Anchor> anchors;  ///< of all vertices, or empty
 
   // Kept by Cavity and the operators.
   IdVector<TetId, float> q3;                ///< quality_cubed of every tetrahedron
@@ -163,6 +173,18 @@ double quality_cubed(const Part& part, TetId t) noexcept;
 VertId new_vertex(Part& part, Vec3 x, const SymTensor& log_m, std::uint8_t flags);
 /// Gives a vertex slot back. @pre no live tetrahedron has it.
 void drop_vertex(Part& part, VertId v);
+
+/// Calls visit(edge, a, b, la, lb) for the edges in the mask (bits of kEdgeVerts), with their lengths in the metrics of
+/// their ends.
+template <class Visit>
+void measure(const Part& p, const std::array<VertId, 4>& v, unsigned mask, Visit&& visit) {
+  for (; mask != 0; mask &= mask - 1) {
+    const auto e = static_cast<std::size_t>(std::countr_zero(mask));
+    const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
+    const Vec3 d = p.x(b) - p.x(a);
+    visit(e, a, b, std::sqrt(quad(p.metric.at[a].m, d)), std::sqrt(quad(p.metric.at[b].m, d)));
+  }
+}
 
 /// Position of vertex v in its tetrahedron. @pre it is there.
 constexpr int local_index(const std::array<VertId, 4>& tv, VertId v) noexcept {

@@ -8,6 +8,7 @@
 
 #include "kernel/cavity.hpp"
 #include "kernel/collapse.hpp"
+#include "kernel/hunt.hpp"
 #include "kernel/insert.hpp"
 #include "kernel/smooth.hpp"
 #include "kernel/swap.hpp"
@@ -16,7 +17,6 @@ namespace skein {
 namespace {
 
 constexpr double kFloor = 0.3 * 0.3 * 0.3;   ///< Q^3 that a collapse of a short edge must leave
-constexpr double kHuntLength = 2;            ///< longest edge that may come of removing a vertex of a bad element
 constexpr double kNeedle = 0.1 * 0.1 * 0.1;  ///< Q^3 below which an element is swapped before it gets points
 constexpr std::int64_t kRunaway =
     4;  ///< times the expected points: what creates more does not fit its metric and must end
@@ -33,14 +33,11 @@ constexpr std::size_t kGrowth = 2, kSmallMesh = 50'000;
 constexpr std::size_t kAhead = 2;  ///< moves between asking for data and using them
 constexpr int kTetsAhead = 16;     ///< the same for the tetrahedra of a sweep
 constexpr unsigned kFetching = kSwapPass | kInsertPass | kCollapsePass;  ///< sweeps that read the neighbours
-constexpr int kHuntTurns = 8, kHuntTries = 3, kLengthTurns = 4;
+constexpr int kLengthTurns = 4;
 /// Where along a long edge a point is tried when another vertex is too near the place of unit steps.
 constexpr std::array<double, 5> kOtherPlaces{0.5, 0.35, 0.65, 0.2, 0.8};
 /// What another round shall look at if frozen vertices were in the way of this one.
 constexpr double kBadQuality = 0.3, kBadLong = 2, kBadShort = 0.4;
-constexpr double kVeryPoor = 0.35;               ///< quality below which steps along axes are tried
-constexpr double kRelaxFloor = 0.4 * 0.4 * 0.4;  ///< Q^3 below which no element gets worse when edges are relaxed
-constexpr int kRelaxTurns = 4;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
 constexpr double cube(double q) noexcept { return q * q * q; }
@@ -55,6 +52,7 @@ class Passes {
         collapse_(part, cavity_),
         swap_(part, cavity_),
         smooth_(part),
+        hunt_(part, collapse_, swap_, smooth_),
         old2new_(part.mesh.vert_slots()),
         ordered_(part.mesh.tet_slots()) {
     for (const VertId v : IdRange<VertId>(old2new_.size())) old2new_[v] = part.mesh.is_live(v) ? v : kNoVert;
@@ -70,15 +68,12 @@ class Passes {
     double max_new, min_new;   ///< looser than in the passes: bounds on what is made in their place
   };
   void hunt_lengths(const LengthHunt& hunt);
-  /// Works on the elements below `target` with every operator, accepting only what makes the worst element better,
-  /// until none can be improved.
-  void hunt_worst(double target);
   /// Share of the elements that are below this quality.
   [[nodiscard]] double share_below(double quality) const;
-  /// From now on elements are judged carefully, or no longer.
-  void judge_carefully(bool careful);
-  /// Makes edges that are too long or too short fewer by every operator that lessens the strain round them.
-  void relax();
+  /// Share of the edges, as the tetrahedra meet them, that are too long or too short.
+  [[nodiscard]] double strained_share() const;
+  /// From now on metrics at vertices that move are interpolated from where they are now (Part::anchors).
+  void anchor();
   /// Counts what is still below `target`, by what holds it (OperationCounts).
   void count_poor(double target);
   /// kHeld on the vertices of what is far from what was wanted and has a frozen or idle vertex next to it, as another
@@ -86,6 +81,7 @@ class Passes {
   void mark_held();
   /// Puts what is near in space near in memory, if much is new.
   void order_if_grown();
+  [[nodiscard]] Hunter& hunt() noexcept { return hunt_; }
   /// Vertices before the first pass -> vertices now.
   [[nodiscard]] IdVector<VertId, VertId>& old2new() noexcept { return old2new_; }
 
@@ -103,17 +99,9 @@ class Passes {
   /// Splits the longest of the edges above this length that can be; `hunt`: with more than one place for the point.
   bool split_in(TetId t, double above, bool hunt = false);
   bool centroid_in(TetId t);
-  /// Swaps one of the edges with at most max_ring vertices round it; refusals are remembered where the sweep is about
-  /// swaps.
-  bool swap_edges_in(TetId t, int max_ring, bool remember);
-  bool swap_in(TetId t);
-  bool smooth_in(TetId t);
-  bool remove_vertex_in(TetId t);
   [[nodiscard]] bool is_bad(TetId t) const noexcept;
   /// Not all vertices of the tetrahedra at those of t can be worked with.
   [[nodiscard]] bool is_confined(TetId t);
-  bool move_along_axes_in(TetId t);
-  bool relax_edge(TetId t, VertId a, VertId b);
 
   Part& part_;
   Cavity cavity_;
@@ -121,6 +109,7 @@ class Passes {
   Collapser collapse_;
   Swapper swap_;
   Smoother smooth_;
+  Hunter hunt_;
   Shell shell_;
   std::vector<VertId> to_move_;
   std::vector<TetId> ball_;
@@ -169,17 +158,6 @@ void Passes::order() {
     if (v != kNoVert) v = step[v];
   }
   ordered_ = part_.mesh.tet_slots();
-}
-
-/// Calls visit(edge, a, b, la, lb) for the edges in the mask, with their lengths in the metrics of their ends.
-template <class Visit>
-void measure(const Part& p, const std::array<VertId, 4>& v, unsigned mask, Visit&& visit) {
-  for (; mask != 0; mask &= mask - 1) {
-    const auto e = static_cast<std::size_t>(std::countr_zero(mask));
-    const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
-    const Vec3 d = p.x(b) - p.x(a);
-    visit(e, a, b, std::sqrt(quad(p.metric.at[a].m, d)), std::sqrt(quad(p.metric.at[b].m, d)));
-  }
 }
 
 bool Passes::collapse_in(TetId t, double below, double max_length, double floor_q3) {
@@ -270,30 +248,10 @@ std::int64_t Passes::create_points() {
   sweep(kInsertPass, 100, wanted, [&](TetId t) {
     if (part_.counts.insert > enough) return;
     // In needles the distance to what is near cannot be seen from the cavity: better connected first.
-    if (part_.q3[t] < kNeedle && swap_in(t)) return;
+    if (part_.q3[t] < kNeedle && swap_.any(t)) return;
     part_.options.centroid_points ? centroid_in(t) : split_in(t, part_.options.split_above);
   });
   return part_.counts.insert - before;
-}
-
-bool Passes::swap_edges_in(TetId t, int max_ring, bool remember) {
-  const auto v = part_.mesh.tet2vert[t];
-  const unsigned skip = (remember ? part_.refused[t] : 0U) | (max_ring <= 4 ? large_rings(part_.mesh, t) : 0U);
-  for (std::size_t e = 0; e < 6; ++e) {
-    if ((skip & (1U << e)) != 0) continue;
-    const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
-    if (swap_.edge(t, a, b, max_ring)) return true;
-    if (remember) mark_refused(part_, swap_.shell());
-  }
-  return false;
-}
-
-bool Passes::swap_in(TetId t) {
-  if (swap_edges_in(t, Swapper::kMaxRing, false)) return true;
-  for (int f = 0; f < 4; ++f) {
-    if (swap_.face(make_face(t, f))) return true;
-  }
-  return false;
 }
 
 std::int64_t Passes::swap_below(double quality) {
@@ -301,7 +259,7 @@ std::int64_t Passes::swap_below(double quality) {
   const auto limit = static_cast<float>(cube(quality)), hard = static_cast<float>(cube(kHardQuality));
   const auto wanted = [&](TetId t) { return part_.q3[t] < limit; };
   sweep(kSwapPass, 4, wanted,
-        [&](TetId t) { swap_edges_in(t, part_.q3[t] < hard ? Swapper::kMaxRing : kQuickRing, true); });
+        [&](TetId t) { swap_.any_edge(t, part_.q3[t] < hard ? Swapper::kMaxRing : kQuickRing, true); });
   return part_.counts.swap - before;
 }
 
@@ -328,26 +286,6 @@ std::int64_t Passes::smooth_below(double quality) {
   return part_.counts.smooth - before;
 }
 
-bool Passes::smooth_in(TetId t) {
-  const auto tv = part_.mesh.tet2vert[t];
-  bool moved = false;
-  for (const VertId v : tv) {
-    if (part_.mesh.has(v, kActive)) moved = smooth_.move(v, kHuntTries) || moved;
-  }
-  return moved;
-}
-
-bool Passes::remove_vertex_in(TetId t) {
-  const auto tv = part_.mesh.tet2vert[t];
-  for (const VertId v : tv) {
-    if (!part_.mesh.has(v, kActive)) continue;
-    for (const VertId u : tv) {
-      if (u != v && collapse_.collapse_to_improve(v, u, t, kHuntLength)) return true;
-    }
-  }
-  return false;
-}
-
 void Passes::hunt_lengths(const LengthHunt& hunt) {
   const KernelOptions strict = part_.options;
   part_.options.length_min_new = hunt.min_new;
@@ -365,14 +303,6 @@ void Passes::hunt_lengths(const LengthHunt& hunt) {
   part_.options = strict;
 }
 
-bool Passes::move_along_axes_in(TetId t) {
-  if (!part_.careful || part_.q3[t] >= static_cast<float>(cube(kVeryPoor))) return false;
-  const auto tv = part_.mesh.tet2vert[t];
-  bool moved = false;
-  for (const VertId v : tv) moved = (part_.mesh.has(v, kActive) && smooth_.move_along_axes(v)) || moved;
-  return moved;
-}
-
 double Passes::share_below(double quality) const {
   const auto limit = static_cast<float>(cube(quality));
   std::size_t live = 0, poor = 0;
@@ -384,45 +314,24 @@ double Passes::share_below(double quality) const {
   return live == 0 ? 0 : static_cast<double>(poor) / static_cast<double>(live);
 }
 
-void Passes::judge_carefully(bool careful) {
-  part_.careful = careful;
+double Passes::strained_share() const {
+  std::size_t seen = 0, strained = 0;
   for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
-    if (part_.mesh.is_live(t)) part_.q3[t] = static_cast<float>(quality_cubed(part_, t));
+    if (!part_.mesh.is_live(t)) continue;
+    seen += 6;
+    const unsigned mask = part_.edges[t].may_be_long | part_.edges[t].may_be_short;
+    measure(part_, part_.mesh.tet2vert[t], mask, [&](std::size_t, VertId, VertId, double la, double lb) {
+      const double l = log_mean(la, lb);
+      strained += l < part_.options.collapse_below || l > part_.options.split_above ? 1 : 0;
+    });
   }
+  return seen == 0 ? 0 : static_cast<double>(strained) / static_cast<double>(seen);
 }
 
-bool Passes::relax_edge(TetId t, VertId a, VertId b) {
-  constexpr double kLongest = 1.8;
-  if (!part_.mesh.has(a, kActive) && !part_.mesh.has(b, kActive)) return false;
-  if (part_.length(a, b) < 1 && (collapse_.collapse_to_relax(a, b, t, kLongest, kRelaxFloor) ||
-                                 collapse_.collapse_to_relax(b, a, t, kLongest, kRelaxFloor))) {
-    return true;
-  }
-  if (swap_.edge_to_relax(t, a, b, kRelaxFloor)) return true;
-  const bool moved = part_.mesh.has(a, kActive) && smooth_.move_to_relax(a, kRelaxFloor);
-  return (part_.mesh.has(b, kActive) && smooth_.move_to_relax(b, kRelaxFloor)) || moved;
-}
-
-void Passes::relax() {
-  for (int turn = 0; turn < kRelaxTurns; ++turn) {
-    bool any = false;
-    forget_refused();
-    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
-      const auto t = to_id<TetId>(i);
-      const unsigned mask =
-          (part_.edges[t].may_be_long | part_.edges[t].may_be_short) & ~static_cast<unsigned>(part_.refused[t]);
-      if (mask == 0 || !part_.mesh.is_live(t) || !part_.active(t)) continue;
-      const auto v = part_.mesh.tet2vert[t];
-      bool done = false;
-      measure(part_, v, mask, [&](std::size_t, VertId a, VertId b, double la, double lb) {
-        const double l = log_mean(la, lb);
-        if (done || (l >= part_.options.collapse_below && l <= part_.options.split_above)) return;
-        done = relax_edge(t, a, b);
-        if (!done && gather_shell(part_.mesh, t, a, b, shell_)) mark_refused(part_, shell_);
-      });
-      any = any || done;
-    }
-    if (!any) return;
+void Passes::anchor() {
+  part_.anchors.resize(part_.mesh.vert_slots());
+  for (const VertId v : IdRange<VertId>(part_.mesh.vert_slots())) {
+    part_.anchors[v] = {part_.mesh.coords[v], part_.metric.log_at[v]};
   }
 }
 
@@ -474,20 +383,6 @@ void Passes::mark_held() {
   }
 }
 
-void Passes::hunt_worst(double target) {
-  const auto limit = static_cast<float>(cube(target));
-  for (int turn = 0; turn < kHuntTurns; ++turn) {
-    std::int64_t done = 0;
-    forget_refused();
-    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
-      const auto t = to_id<TetId>(i);
-      if (part_.q3[t] >= limit || !part_.mesh.is_live(t) || !part_.active(t)) continue;
-      if (swap_in(t) || smooth_in(t) || move_along_axes_in(t) || remove_vertex_in(t)) ++done;
-    }
-    if (done == 0) return;
-  }
-}
-
 }  // namespace
 
 namespace {
@@ -501,13 +396,16 @@ struct Care {
 /// where h = 0.001 across a cylinder and 0.1 along it, below 3 % everywhere else): its edges are relaxed.
 constexpr double kHardShare = 0.05;
 constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
+/// Of such a mesh: with fewer strained edges than this it has been adapted to this metric before; with fewer than the
+/// second and next to no bad elements the main turns would move much for little, and only single edges and elements are
+/// worked on.
+constexpr double kAdaptedBefore = 0.3, kSettledShare = 0.04, kFewBad = 0.0003;
 constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
 constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
 constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
-}  // namespace
 
-IdVector<VertId, VertId> adapt_part(Part& part) {
-  Passes pass(part);
+/// Makes the part fit, but for single edges and elements.
+Care main_turns(Passes& pass, Part& part) {
   const KernelOptions& o = part.options;
   // Much shorter ones first, where there may be many.
   if (!o.only_held) pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
@@ -523,25 +421,55 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
     changed += pass.create_points();
     if (i + 1 >= o.least_turns && kSettled * changed <= verts()) break;
   }
-  const bool hard = pass.share_below(kPoor) > kHardShare;
-  if (hard) {
-    pass.judge_carefully(true);
-    pass.relax();
-  }
-  if (!hard) pass.hunt_lengths(kFar);
+  return care;
+}
+
+void hunt(Passes& pass, Care care) {
+  pass.hunt_lengths(kFar);
   pass.swap_below(care.swap);
   pass.smooth_below(0.75);
-  if (!hard) pass.hunt_lengths(kFar);
-  pass.hunt_worst(kPoor);
-  if (!hard) pass.hunt_lengths(kVeryFar);
-  pass.hunt_worst(0.4);
-  if (hard) {
-    for (int i = 0; i < 2; ++i) {
-      pass.relax();
-      pass.hunt_worst(0.4);
-    }
-    pass.judge_carefully(false);
+  pass.hunt_lengths(kFar);
+  pass.hunt().worst(kPoor);
+  pass.hunt_lengths(kVeryFar);
+  pass.hunt().worst(0.4);
+}
+
+/// The same where the metric turns within its elements.
+void hunt_carefully(Passes& pass, Care care, bool settled) {
+  constexpr double kFewer = 0.4, kWorst = 0.36, kFloorOfWorst = 0.33;
+  Hunter& hunt = pass.hunt();
+  hunt.judge_carefully(true);
+  pass.hunt_lengths(kVeryFar);
+  hunt.relax();
+  if (!settled) {
+    pass.swap_below(care.swap);
+    pass.smooth_below(0.75);
   }
+  hunt.lighten(settled ? kFewer : kPoor, 0);
+  hunt.relax();
+  hunt.lighten(kFewer, 0);
+  hunt.worst(kWorst);
+  // In turns, since each of them leaves the other new places to go on from.
+  for (int i = 0; i < 2; ++i) {
+    hunt.lighten(kWorst, kFloorOfWorst);
+    hunt.worst(kWorst);
+  }
+  hunt.judge_carefully(false);
+}
+}  // namespace
+
+IdVector<VertId, VertId> adapt_part(Part& part) {
+  Passes pass(part);
+  const double strained = pass.share_below(kPoor) > kHardShare ? pass.strained_share() : 1;
+  if (strained < kAdaptedBefore) pass.anchor();
+  const bool settled = strained < kSettledShare && pass.share_below(kBadQuality) < kFewBad;
+  const Care care = settled ? kRefined : main_turns(pass, part);
+  if (settled || pass.share_below(kPoor) > kHardShare) {
+    hunt_carefully(pass, care, settled);
+  } else {
+    hunt(pass, care);
+  }
+  part.anchors = {};
   pass.count_poor(kPoor);
   pass.mark_held();
   return std::move(pass.old2new());

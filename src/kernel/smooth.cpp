@@ -120,7 +120,22 @@ Vec3 Smoother::spring_step(VertId v, const Freedom& free) const {
   return free.dims == 1 ? along : along + dot(step, free.t1) * free.t1;
 }
 
+bool Smoother::interpolate_from_anchor(VertId v, Vec3 x, SymTensor& log_m) {
+  const auto& [from, log_from] = part_->anchors[v];
+  const Cone::Place place = cone_.locate(from, x - from);
+  const auto k = face_verts(part_->mesh, ball_[place.face]);
+  const auto& w = place.weight;
+  const double rest = 1 - w[0] - w[1] - w[2];
+  constexpr double kRounding = -1e-6;
+  if (!(w[0] > kRounding) || !(w[1] > kRounding) || !(w[2] > kRounding) || !(rest > kRounding)) return false;
+  if (!(volume6(from, part_->x(k[0]), part_->x(k[1]), part_->x(k[2])) > 0)) return false;
+  log_m = rest * log_from;
+  for (std::size_t i = 0; i < 3; ++i) log_m = log_m + w[i] * part_->metric.log_at[k[i]];
+  return true;
+}
+
 bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
+  if (!part_->anchors.empty() && interpolate_from_anchor(v, part_->x(v) + step, log_m)) return true;
   const Cone::Place place = cone_.locate(part_->x(v), step);
   const auto k = face_verts(part_->mesh, ball_[place.face]);
   double rest = 1;
@@ -355,7 +370,7 @@ bool Smoother::move_along_axes(VertId v) {
   const Freedom& free = ball.free;
   Vec3 best;
   SymTensor best_log;
-  double best_low = 1.05 * ball.low;
+  double best_low = 1.01 * ball.low;
   for (const Vec3& column :
        {Vec3{root.xx, root.xy, root.xz}, Vec3{root.xy, root.yy, root.yz}, Vec3{root.xz, root.yz, root.zz}}) {
     Vec3 axis = column;
@@ -369,6 +384,74 @@ bool Smoother::move_along_axes(VertId v) {
     }
   }
   if (!(dot(best, best) > 0)) return false;
+  const VertMetric m = vert_metric_from_log(best_log);
+  judge(x + best, m, 0);
+  place(v, x + best, m, best_log);
+  return true;
+}
+
+namespace {
+/// An orthonormal basis, in the metric, of the directions of freedom; returns how many.
+std::size_t basis(const SymTensor& m, int dims, Vec3 t0, Vec3 t1, std::array<Vec3, 3>& axis) noexcept {
+  axis = {t0, t1, Vec3{0, 0, 1}};
+  if (dims == 3) axis[0] = {1, 0, 0}, axis[1] = {0, 1, 0};
+  const auto n = static_cast<std::size_t>(dims);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = 0; k < i; ++k) axis[i] = axis[i] - dot(axis[k], mul(m, axis[i])) * axis[k];
+    axis[i] = (1 / std::sqrt(quad(m, axis[i]))) * axis[i];
+  }
+  return n;
+}
+
+constexpr double kRefused = 1e300;
+/// Where the parabola through the values at -1, 0, 1 is least, not too far off.
+double lowest(double minus, double middle, double plus) noexcept {
+  const bool left = minus < kRefused, right = plus < kRefused;
+  if (!left || !right) return left && minus < middle ? -2 : right && plus < middle ? 2 : 0;
+  const double curvature = plus + minus - 2 * middle;
+  if (curvature > 0) return std::clamp(0.5 * (minus - plus) / curvature, -4.0, 4.0);
+  return plus < minus ? 3 : -3;
+}
+}  // namespace
+
+bool Smoother::move_to_lighten(VertId v, double floor_q3) {
+  constexpr double kGain = 0.998;
+  Ball ball;
+  if (!gather(v, ball)) return false;
+  const Vec3 x = part_->x(v);
+  std::array<Vec3, 3> axis;
+  const std::size_t dims = basis(part_->metric.at[v].m, ball.free.dims, ball.free.t0, ball.free.t1, axis);
+  double old_sum = 0;
+  for (const FaceId f : ball_) old_sum += burden(static_cast<double>(part_->q3[face_tet(f)]));
+
+  Vec3 best;
+  SymTensor best_log;
+  double best_sum = old_sum;
+  const double bound = std::min(ball.low, floor_q3);
+  const auto look = [&](Vec3 step) {
+    SymTensor log_m;
+    if (!interpolate(v, step, log_m)) return kRefused;
+    const double low = judge(x + step, vert_metric_from_log(log_m), bound);
+    if (!(low > 0) || low < bound) return kRefused;
+    double sum = 0;
+    for (std::size_t i = 0; i < ball_.size(); ++i) sum += burden(cone_.q3(i));
+    if (sum < best_sum) best_sum = sum, best = step, best_log = log_m;
+    return sum;
+  };
+  for (const double h : {0.06, 0.024}) {
+    const Vec3 centre = best;
+    const double middle = best_sum;
+    Vec3 jump;
+    for (std::size_t i = 0; i < dims; ++i) {
+      const double plus = look(centre + h * axis[i]), minus = look(centre - h * axis[i]);
+      jump += (h * lowest(minus, middle, plus)) * axis[i];
+    }
+    for (const double part : {1.0, 0.5, 0.25}) {
+      const double before = best_sum;
+      if (look(centre + part * jump) < before) break;
+    }
+  }
+  if (!(best_sum < kGain * old_sum)) return false;
   const VertMetric m = vert_metric_from_log(best_log);
   judge(x + best, m, 0);
   place(v, x + best, m, best_log);

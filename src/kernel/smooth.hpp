@@ -25,6 +25,10 @@ class Smoother {
   /// Tries steps along the axes of the metric and takes the one with the best worst element. For where the metric turns
   /// within an element, and the model of move(), whose metric is constant, points elsewhere.
   bool move_along_axes(VertId v);
+  /// Moves v so that the sum of burden() over its elements becomes less, along the axes of the metric and to the
+  /// minimum of parabolas through what is found there: the same for where Newton's model does not hold. No element gets
+  /// worse that is below the floor.
+  bool move_to_lighten(VertId v, double floor_q3);
   /// Makes the balls of all vertices at once, for many moves of a mesh whose topology does not change until drop_index.
   void index_balls();
   void drop_index() noexcept;
@@ -58,7 +62,10 @@ class Smoother {
   [[nodiscard]] Vec3 newton_step(VertId v, const Freedom& f, double& gain);
   /// Towards where springs of metric length 1 along the edges at v are in balance (the chapter's mesh cosmetics).
   [[nodiscard]] Vec3 spring_step(VertId v, const Freedom& f) const;
+  /// The log-metric at x(v) + step; false beyond the ball.
   [[nodiscard]] bool interpolate(VertId v, Vec3 step, SymTensor& log_m);
+  /// The same from the anchor of v; false also when the anchor cannot see the place from inside the ball.
+  [[nodiscard]] bool interpolate_from_anchor(VertId v, Vec3 x, SymTensor& log_m);
   bool attempt(VertId v, Vec3 step, double old_sum, double old_min);
   void mark_changed(VertId v);
   bool find_ball(VertId v);

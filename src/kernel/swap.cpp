@@ -67,6 +67,35 @@ double Swapper::best_triangulation(int ring) {
   return best_[0][u(ring - 1)];
 }
 
+double Swapper::lightest_triangulation(int ring) {
+  constexpr double kRefused = 1e300;
+  const VertId a = shell_.a, b = shell_.b;
+  const auto weight = [&](int i, int j, int k) {
+    const VertId p = shell_.ring[u(i)], r = shell_.ring[u(j)], s = shell_.ring[u(k)];
+    const double top = part_->quality_cubed(p, r, s, b);
+    if (top <= bound_) return kRefused;
+    const double under = part_->quality_cubed(p, s, r, a);
+    return under <= bound_ ? kRefused : burden(top) + burden(under);
+  };
+  for (int i = 0; i + 1 < ring; ++i) best_[u(i)][u(i + 1)] = 0;
+  for (int len = 2; len < ring; ++len) {
+    for (int i = 0; i + len < ring; ++i) {
+      const int j = i + len;
+      double best = kRefused;
+      int at = i + 1;
+      for (int k = i + 1; k < j; ++k) {
+        const double sides = best_[u(i)][u(k)] + best_[u(k)][u(j)];
+        if (sides >= best) continue;
+        const double w = sides + weight(i, k, j);
+        if (w < best) best = w, at = k;
+      }
+      best_[u(i)][u(j)] = best;
+      split_[u(i)][u(j)] = at;
+    }
+  }
+  return best_[0][u(ring - 1)];
+}
+
 bool Swapper::list_triangles(int i, int j) {
   if (j - i < 2) return true;
   const int k = split_[u(i)][u(j)];
@@ -109,7 +138,11 @@ double Swapper::worst_of_shell() const noexcept {
 
 bool Swapper::make() {
   const int ring = shell_.ring_size();
-  if (best_triangulation(ring) <= bound_) return false;
+  return best_triangulation(ring) > bound_ && make_triangles();
+}
+
+bool Swapper::make_triangles() {
+  const int ring = shell_.ring_size();
   triangles_.clear();
   if (!list_triangles(0, ring - 1)) return false;
   cavity_->clear();
@@ -138,6 +171,34 @@ bool Swapper::edge_to_relax(TetId t, VertId a, VertId b, double floor_q3) {
   const bool done = allowed && make();
   max_strain_ = kAnyStrain;
   return done;
+}
+
+bool Swapper::edge_to_lighten(TetId t, VertId a, VertId b, double floor_q3) {
+  constexpr double kGain = 0.995;
+  if (!gather(t, a, b, kMaxRing)) return false;
+  bound_ = std::max(0.999 * std::min(worst_of_shell(), floor_q3), 1e-15);
+  double sum = 0;
+  for (int i = 0; i < shell_.n; ++i) sum += burden(static_cast<double>(part_->q3[shell_.tet[u(i)]]));
+  return lightest_triangulation(shell_.ring_size()) < kGain * sum && make_triangles();
+}
+
+bool Swapper::any_edge(TetId t, int max_ring, bool remember) {
+  const auto v = part_->mesh.tet2vert[t];
+  const unsigned skip = (remember ? part_->refused[t] : 0U) | (max_ring <= 4 ? large_rings(part_->mesh, t) : 0U);
+  for (std::size_t e = 0; e < 6; ++e) {
+    if ((skip & (1U << e)) != 0) continue;
+    if (edge(t, v[u(kEdgeVerts[e][0])], v[u(kEdgeVerts[e][1])], max_ring)) return true;
+    if (remember) mark_refused(*part_, shell_);
+  }
+  return false;
+}
+
+bool Swapper::any(TetId t) {
+  if (any_edge(t, kMaxRing, false)) return true;
+  for (int f = 0; f < 4; ++f) {
+    if (face(make_face(t, f))) return true;
+  }
+  return false;
 }
 
 bool Swapper::face(FaceId f, double gain) {

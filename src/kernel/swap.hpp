@@ -20,6 +20,13 @@ class Swapper {
   /// The same for an edge that is too long or too short: the new ones together have less strain, and no element is
   /// worse that is below the floor.
   bool edge_to_relax(TetId t, VertId a, VertId b, double floor_q3);
+  /// The same for the least sum of burden() over the elements; none is worse that is below the floor.
+  bool edge_to_lighten(TetId t, VertId a, VertId b, double floor_q3);
+  /// Swaps one of the edges of t with at most max_ring vertices round it; with `remember`, refusals are kept
+  /// (Part::refused) and not tried again.
+  bool any_edge(TetId t, int max_ring, bool remember);
+  /// Swaps one of the edges or faces of t.
+  bool any(TetId t);
   /// Replaces the two tetrahedra at a face by three round a new edge, if that is better.
   bool face(FaceId f, double gain = 1.05);
   /// Of the edge that was tried last; cut off where it was too large.
@@ -29,12 +36,16 @@ class Swapper {
   /// Gathers the shell; false if the edge must stay.
   bool gather(TetId t, VertId a, VertId b, int max_ring);
   [[nodiscard]] double worst_of_shell() const noexcept;
-  /// Swaps the gathered edge if all that is made is better than bound_.
+  /// Swaps the gathered edge for the best triangulation if all that is made is better than bound_.
   bool make();
+  /// Makes the triangulation that split_ tells, if all elements are better than bound_.
+  bool make_triangles();
   bool surface_swap_allowed();
   /// The edge between two ring vertices exists already, or has not more strain than max_strain_.
   [[nodiscard]] bool may_connect(int i, int j) const noexcept;
   double best_triangulation(int ring);
+  /// The same with the least sum of burden() among those whose elements are all better than bound_; returns that sum.
+  double lightest_triangulation(int ring);
   /// Lists the triangles of the polygon between ring vertices i and j; false if one of their tetrahedra is not good
   /// enough after all.
   bool list_triangles(int i, int j);

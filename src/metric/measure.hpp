@@ -58,6 +58,13 @@ inline double least_quality_cubed(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const Vert
   }
   return least;
 }
+/// What an element counts as where the sum over elements is to become less: 1/Q^6, so that the worst lead it. It grows
+/// no more where elements are all but flat.
+constexpr double burden(double q3) noexcept {
+  constexpr double kFlat = 1e-6;
+  const double q = q3 > kFlat ? q3 : kFlat;
+  return 1 / (q * q);
+}
 /// How far an edge is from unit length: below 0.1 for unit edges, above 1 for all others, and smooth in between, so
 /// that the sum over some edges tells first of all how many are too long or too short.
 inline double strain(double length) noexcept {

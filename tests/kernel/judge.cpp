@@ -13,8 +13,12 @@ namespace {
 
 bool was_live(const TetMesh& m, TetId t) { return idx(t) < m.tet_slots() && m.is_live(t); }
 
-double quality_cubed_of(const TetMesh& m, const MetricField& f, TetId t) {
+double quality_cubed_of(const TetMesh& m, const MetricField& f, TetId t, bool careful) {
   const auto& v = m.tet2vert[t];
+  if (careful) {
+    return least_quality_cubed(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]], f.at[v[0]], f.at[v[1]],
+                               f.at[v[2]], f.at[v[3]]);
+  }
   return quality_cubed(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]], f.at[v[0]], f.at[v[1]],
                        f.at[v[2]], f.at[v[3]]);
 }
@@ -83,11 +87,15 @@ Change change(const Snapshot& before, const Part& after, VertId moved) {
     }
     if (lived) {
       c.gone.push_back(t);
-      c.old_min = std::min(c.old_min, quality_cubed_of(before.mesh, before.metric, t));
+      const double q3 = quality_cubed_of(before.mesh, before.metric, t, before.careful);
+      c.old_min = std::min(c.old_min, q3);
+      c.old_burden += burden(q3);
     }
     if (lives) {
       c.fresh.push_back(t);
-      c.new_min = std::min(c.new_min, quality_cubed_of(after.mesh, after.metric, t));
+      const double q3 = quality_cubed_of(after.mesh, after.metric, t, after.careful);
+      c.new_min = std::min(c.new_min, q3);
+      c.new_burden += burden(q3);
     }
   }
   return c;

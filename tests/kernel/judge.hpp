@@ -13,7 +13,8 @@ struct Snapshot {
   TetMesh mesh;
   MetricField metric;
   IdVector<TetId, float> q3;
-  explicit Snapshot(const Part& p) : mesh(p.mesh), metric(p.metric), q3(p.q3) {}
+  bool careful;
+  explicit Snapshot(const Part& p) : mesh(p.mesh), metric(p.metric), q3(p.q3), careful(p.careful) {}
 };
 
 /// Empty when all that lives is the same bit by bit. Free slots may have come.
@@ -23,6 +24,7 @@ std::string differ(const Snapshot& before, const Part& after);
 struct Change {
   std::vector<TetId> gone, fresh;
   double old_min = 1, new_min = 1;
+  double old_burden = 0, new_burden = 0;
 };
 /// Tetrahedra at vertex `moved` count as replaced by themselves.
 Change change(const Snapshot& before, const Part& after, VertId moved = kNoVert);

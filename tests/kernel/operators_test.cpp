@@ -22,6 +22,7 @@ struct Setting {
   MeshSpec mesh;
   bool cut = false;  ///< half of the mesh is another part: its faces are the interface
   bool surface = true;
+  bool careful = false, anchored = false;
   unsigned seed = 1;
 };
 
@@ -35,6 +36,8 @@ Setting any_setting(Shape shape) {
   s.mesh.seed = *rc::gen::inRange(0u, 10000u);
   s.cut = *rc::gen::arbitrary<bool>();
   s.surface = *rc::gen::element(true, true, true, false);
+  s.careful = *rc::gen::element(false, false, true);
+  s.anchored = *rc::gen::arbitrary<bool>();
   s.seed = *rc::gen::inRange(0u, 1000000u);
   return s;
 }
@@ -56,11 +59,21 @@ Part make_part(const Setting& s, std::mt19937& random) {
   }
   part.metric = metric_field(part.mesh.coords, random_smooth_metric(random, 0.05, 1.0, 1.5));
   part.options.surface = s.surface;
+  part.careful = s.careful;
+  if (s.anchored) {
+    for (const VertId v : IdRange<VertId>(part.mesh.vert_slots()))
+      part.anchors.push_back({part.x(v), part.metric.log_at[v]});
+  }
   prepare(part);
   return part;
 }
 
 constexpr double kNoSurface = 0;
+
+double quality_cubed_by_largest(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const VertMetric& m0, const VertMetric& m1,
+                                const VertMetric& m2, const VertMetric& m3) {
+  return quality_cubed(x0, x1, x2, x3, m0, m1, m2, m3);
+}
 
 /// A part with its operators; each is applied and judged.
 class Bench {
@@ -83,7 +96,7 @@ class Bench {
     const auto& e = kEdgeVerts[random_() % 6];
     VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
     if (random_() % 2 == 0) std::swap(a, b);
-    switch (random_() % 10) {
+    switch (random_() % 12) {
       case 0:
       case 1:
         return on_edge(t, a, b);
@@ -100,6 +113,9 @@ class Bench {
         return relax(t, a, b, static_cast<int>(random_() % 3));
       case 8:
         return along_axes(a);
+      case 9:
+      case 10:
+        return lighten(t, a, b, static_cast<int>(random_() % 3));
       default:
         return move(a);
     }
@@ -266,7 +282,7 @@ class Bench {
   struct Strain {
     double edges = 0, shape = 0;  ///< summed over edges; 1/Q^3 over elements
   };
-  static Strain strain_of(const TetMesh& mesh, const MetricField& metric) {
+  static Strain strain_of(const TetMesh& mesh, const MetricField& metric, bool careful) {
     Strain out;
     std::set<std::pair<VertId, VertId>> edges;
     const auto& m = metric.at;
@@ -274,7 +290,8 @@ class Bench {
     for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
       if (!mesh.is_live(t)) continue;
       const auto& v = mesh.tet2vert[t];
-      out.shape += 1 / quality_cubed(x[v[0]], x[v[1]], x[v[2]], x[v[3]], m[v[0]], m[v[1]], m[v[2]], m[v[3]]);
+      const auto measure = careful ? least_quality_cubed : quality_cubed_by_largest;
+      out.shape += 1 / measure(x[v[0]], x[v[1]], x[v[2]], x[v[3]], m[v[0]], m[v[1]], m[v[2]], m[v[3]]);
       for (const auto& e : kEdgeVerts) {
         edges.insert(std::minmax(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]));
       }
@@ -295,7 +312,8 @@ class Bench {
     if (!did) return {};
     const Change c = change(before, part_, moved);
     if (!(c.new_min >= 0.99 * std::min(c.old_min, floor_q3) * (1 - 1e-6))) return say("relax", "below the floor");
-    const Strain was = strain_of(before.mesh, before.metric), is = strain_of(part_.mesh, part_.metric);
+    const Strain was = strain_of(before.mesh, before.metric, before.careful),
+                 is = strain_of(part_.mesh, part_.metric, part_.careful);
     const double shape = which == 2 ? 0.005 : 0;
     const bool less = is.edges + shape * is.shape < (was.edges + shape * was.shape) * (1 + 1e-4);
     return less ? "" : say("relax", fmt::format("strain from {} to {} by operator {}", was.edges, is.edges, which));
@@ -306,7 +324,23 @@ class Bench {
     if (auto fault = verdict(before, did, part_.mesh.has(v, kRidge), v); !fault.empty()) return say("axes", fault);
     if (!did) return {};
     const Change c = change(before, part_, v);
-    return c.new_min > 1.04 * c.old_min ? "" : say("axes", "the worst element did not get better");
+    return c.new_min > c.old_min ? "" : say("axes", "the worst element did not get better");
+  }
+  /// One of the operators that lessen the sum of burdens.
+  std::string lighten(TetId t, VertId a, VertId b, int which) {
+    const Snapshot before(part_);
+    const double floor_q3 = any(0, 0.3), max_length = any(1, 3);
+    const bool on_surface = part_.mesh.has(a, kSurface);
+    const bool did = which == 0   ? collapse_.collapse_to_lighten(a, b, t, max_length, floor_q3)
+                     : which == 1 ? swap_.edge_to_lighten(t, a, b, floor_q3)
+                                  : smooth_.move_to_lighten(a, floor_q3);
+    const VertId moved = which == 2 ? a : kNoVert;
+    if (auto fault = verdict(before, did, on_surface, moved); !fault.empty()) return say("lighten", fault);
+    if (!did) return {};
+    const Change c = change(before, part_, moved);
+    if (!(c.new_min >= 0.999 * std::min(c.old_min, floor_q3) * (1 - 1e-6))) return say("lighten", "below the floor");
+    const bool less = c.new_burden < c.old_burden;
+    return less ? "" : say("lighten", fmt::format("from {} to {} by operator {}", c.old_burden, c.new_burden, which));
   }
 
   std::mt19937 random_;
@@ -322,14 +356,76 @@ class Bench {
 void run(Shape shape) {
   const Setting s = any_setting(shape);
   const int steps = *rc::gen::inRange(1, 400);
-  RC_LOG() << fmt::format("n {} regions {} required {} perturb {} mesh seed {} cut {} surface {} seed {} steps {}",
-                          s.mesh.n, s.mesh.two_regions, s.mesh.required, s.mesh.perturb, s.mesh.seed, s.cut, s.surface,
-                          s.seed, steps);
+  RC_LOG() << fmt::format(
+      "n {} regions {} required {} perturb {} mesh seed {} cut {} surface {} careful {} anchored {} seed {} steps {}",
+      s.mesh.n, s.mesh.two_regions, s.mesh.required, s.mesh.perturb, s.mesh.seed, s.cut, s.surface, s.careful,
+      s.anchored, s.seed, steps);
   Bench bench(s);
   RC_ASSERT(judge(bench.part()) == "");
   for (int i = 0; i < steps; ++i) RC_ASSERT(bench.step() == "");
   RC_CLASSIFY(bench.done > steps / 8, "many done");
   RC_CLASSIFY(bench.surface_done > 0, "surface changed");
+}
+
+double size_of(const SymTensor& t) {
+  return std::sqrt(t.xx * t.xx + t.yy * t.yy + t.zz * t.zz + 2 * (t.xy * t.xy + t.xz * t.xz + t.yz * t.yz));
+}
+/// The largest difference between the metric at a vertex and the field it comes from, after moves of all vertices.
+double error_after_moves(Part& part, const SmoothMetric& field, bool anchored) {
+  if (anchored) {
+    for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
+      part.anchors.push_back({part.x(v), part.metric.log_at[v]});
+    }
+  }
+  Smoother smooth(part);
+  for (int turn = 0; turn < 10; ++turn) {
+    for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
+      smooth.move(v);
+      smooth.move_to_relax(v, 0);
+      smooth.move_to_lighten(v, 0);
+    }
+  }
+  double worst = 0;
+  for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
+    worst = std::max(worst, size_of(part.metric.log_at[v] + -1.0 * field.log_at(part.x(v))));
+  }
+  return worst;
+}
+
+RC_GTEST_PROP(Operators, MoveVerticesWithTheirMetrics, ()) {
+  MeshSpec spec;
+  spec.n = *rc::gen::inRange(2, 5);
+  spec.perturb = 0.2;
+  spec.seed = *rc::gen::arbitrary<unsigned>();
+  std::mt19937 random(*rc::gen::arbitrary<unsigned>());
+  SmoothMetric field = random_smooth_metric(random, 0.1, 1.0, 1.5);
+  field.turn = {};  // its logarithm is linear then, and so is interpolation
+  for (const bool anchored : {false, true}) {
+    Part part;
+    part.mesh = make_mesh(spec);
+    part.metric = metric_field(part.mesh.coords, field);
+    prepare(part);
+    RC_ASSERT(error_after_moves(part, field, anchored) < 1e-9);
+    RC_ASSERT(part.counts.smooth > 0);
+  }
+}
+
+TEST(Operators, AnchorsKeepErrorsOfMetricsFromAddingUp) {
+  double with = 0, without = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 random(seed);
+    SmoothMetric field = random_smooth_metric(random, 0.1, 1.0, 1.5);
+    field.turn = {2, 1, 0};
+    for (const bool anchored : {false, true}) {
+      Part part;
+      part.mesh = make_mesh({.n = 5, .perturb = 0.2, .seed = seed});
+      part.metric = metric_field(part.mesh.coords, field);
+      prepare(part);
+      (anchored ? with : without) += error_after_moves(part, field, anchored);
+    }
+  }
+  RecordProperty("with", std::to_string(with));
+  EXPECT_LT(with, 0.9 * without);
 }
 
 RC_GTEST_PROP(Operators, KeepTheirPromisesOnTheBox, ()) { run(Shape::kBox); }

@@ -1,0 +1,155 @@
+// Work on single elements and edges.
+#include "kernel/hunt.hpp"
+
+namespace skein {
+namespace {
+
+constexpr double kLongest = 2;       ///< edge that may come of removing a vertex of a bad element
+constexpr double kVeryPoor = 0.35;   ///< quality below which steps along axes are tried
+constexpr double kRelaxFloor = 0.4;  ///< quality below which no element gets worse when edges are relaxed
+constexpr int kRelaxTurns = 4, kTurns = 8, kCarefulTurns = 20, kTries = 3;
+/// The bit of Part::dirty that tells what has changed; no smoothing pass comes after careful work.
+constexpr Pass kHunt = kSmoothPass;
+
+constexpr double cube(double q) noexcept { return q * q * q; }
+
+}  // namespace
+
+void Hunter::note_changes() {
+  state_.assign(part_->mesh.vert_slots(), 0);
+  for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
+    if ((part_->dirty[t] & kHunt) == 0) continue;
+    part_->dirty[t] = static_cast<std::uint8_t>(part_->dirty[t] & ~kHunt);
+    if (!part_->mesh.is_live(t)) continue;
+    for (const VertId v : part_->mesh.tet2vert[t]) state_[v] = kChanged | kToMove;
+  }
+}
+
+bool Hunter::is_new(TetId t) const noexcept {
+  if ((part_->dirty[t] & kHunt) != 0) return true;
+  const auto& v = part_->mesh.tet2vert[t];
+  return ((state_[v[0]] | state_[v[1]] | state_[v[2]] | state_[v[3]]) & kChanged) != 0;
+}
+
+template <class Work>
+void Hunter::sweep(double target, int most, Work&& work) {
+  const auto limit = static_cast<float>(cube(target));
+  const bool careful = part_->careful;
+  if (careful) {
+    for (auto& d : part_->dirty) d |= kHunt;
+  }
+  for (int turn = 0; turn < most; ++turn) {
+    bool any = false;
+    part_->refused.assign(part_->mesh.tet_slots(), 0);
+    if (careful) note_changes();
+    for (std::size_t i = 0; i < part_->mesh.tet_slots(); ++i) {
+      const auto t = to_id<TetId>(i);
+      if (part_->q3[t] >= limit || !part_->mesh.is_live(t) || !part_->active(t)) continue;
+      if (careful && !is_new(t)) continue;
+      any = work(t) || any;
+    }
+    if (!any) return;
+  }
+}
+
+bool Hunter::smooth_in(TetId t) {
+  const auto tv = part_->mesh.tet2vert[t];
+  bool moved = false;
+  for (const VertId v : tv) {
+    if (part_->mesh.has(v, kActive)) moved = smooth_->move(v, kTries) || moved;
+  }
+  return moved;
+}
+
+bool Hunter::move_along_axes_in(TetId t) {
+  if (!part_->careful || part_->q3[t] >= static_cast<float>(cube(kVeryPoor))) return false;
+  const auto tv = part_->mesh.tet2vert[t];
+  bool moved = false;
+  for (const VertId v : tv) moved = (part_->mesh.has(v, kActive) && smooth_->move_along_axes(v)) || moved;
+  return moved;
+}
+
+bool Hunter::remove_vertex_in(TetId t) {
+  const auto tv = part_->mesh.tet2vert[t];
+  for (const VertId v : tv) {
+    if (!part_->mesh.has(v, kActive)) continue;
+    for (const VertId u : tv) {
+      if (u != v && collapse_->collapse_to_improve(v, u, t, kLongest)) return true;
+    }
+  }
+  return false;
+}
+
+void Hunter::worst(double target) {
+  sweep(target, part_->careful ? kCarefulTurns : kTurns,
+        [&](TetId t) { return swap_->any(t) || smooth_in(t) || move_along_axes_in(t) || remove_vertex_in(t); });
+}
+
+bool Hunter::lighten_in(TetId t, double floor_q3) {
+  // Several poor elements share each edge and each vertex: both are tried once in a sweep.
+  const auto tv = part_->mesh.tet2vert[t];
+  for (std::size_t e = 0; e < 6; ++e) {
+    if ((part_->refused[t] & (1U << e)) != 0) continue;
+    const VertId a = tv[static_cast<std::size_t>(kEdgeVerts[e][0])], b = tv[static_cast<std::size_t>(kEdgeVerts[e][1])];
+    if (part_->mesh.has(a, kFrozen) && part_->mesh.has(b, kFrozen)) continue;
+    if (swap_->edge_to_lighten(t, a, b, floor_q3)) return true;
+    mark_refused(*part_, swap_->shell());
+    if (part_->mesh.has(a, kActive) && collapse_->collapse_to_lighten(a, b, t, kLongest, floor_q3)) return true;
+    if (part_->mesh.has(b, kActive) && collapse_->collapse_to_lighten(b, a, t, kLongest, floor_q3)) return true;
+  }
+  bool moved = false;
+  for (const VertId v : tv) {
+    if ((state_[v] & kToMove) == 0 || !part_->mesh.has(v, kActive)) continue;
+    state_[v] = static_cast<std::uint8_t>(state_[v] & ~kToMove);
+    moved = smooth_->move_to_lighten(v, floor_q3) || moved;
+  }
+  return moved;
+}
+
+void Hunter::lighten(double target, double floor) {
+  sweep(target, kCarefulTurns, [&](TetId t) { return lighten_in(t, cube(floor)); });
+}
+
+void Hunter::judge_carefully(bool careful) {
+  part_->careful = careful;
+  for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
+    if (part_->mesh.is_live(t)) part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
+  }
+}
+
+bool Hunter::relax_edge(TetId t, VertId a, VertId b) {
+  constexpr double kLongestNew = 1.8, kFloor = cube(kRelaxFloor);
+  if (!part_->mesh.has(a, kActive) && !part_->mesh.has(b, kActive)) return false;
+  if (part_->length(a, b) < 1 && (collapse_->collapse_to_relax(a, b, t, kLongestNew, kFloor) ||
+                                  collapse_->collapse_to_relax(b, a, t, kLongestNew, kFloor))) {
+    return true;
+  }
+  if (swap_->edge_to_relax(t, a, b, kFloor)) return true;
+  const bool moved = part_->mesh.has(a, kActive) && smooth_->move_to_relax(a, kFloor);
+  return (part_->mesh.has(b, kActive) && smooth_->move_to_relax(b, kFloor)) || moved;
+}
+
+void Hunter::relax() {
+  for (int turn = 0; turn < kRelaxTurns; ++turn) {
+    bool any = false;
+    part_->refused.assign(part_->mesh.tet_slots(), 0);
+    for (std::size_t i = 0; i < part_->mesh.tet_slots(); ++i) {
+      const auto t = to_id<TetId>(i);
+      const unsigned mask =
+          (part_->edges[t].may_be_long | part_->edges[t].may_be_short) & ~static_cast<unsigned>(part_->refused[t]);
+      if (mask == 0 || !part_->mesh.is_live(t) || !part_->active(t)) continue;
+      const auto v = part_->mesh.tet2vert[t];
+      bool done = false;
+      measure(*part_, v, mask, [&](std::size_t, VertId a, VertId b, double la, double lb) {
+        const double l = log_mean(la, lb);
+        if (done || (l >= part_->options.collapse_below && l <= part_->options.split_above)) return;
+        done = relax_edge(t, a, b);
+        if (!done && gather_shell(part_->mesh, t, a, b, shell_)) mark_refused(*part_, shell_);
+      });
+      any = any || done;
+    }
+    if (!any) return;
+  }
+}
+
+}  // namespace skein

@@ -1,0 +1,52 @@
+// Work on single elements and edges that the passes have left far from what was wanted.
+#pragma once
+#include "kernel/collapse.hpp"
+#include "kernel/part.hpp"
+#include "kernel/shell.hpp"
+#include "kernel/smooth.hpp"
+#include "kernel/swap.hpp"
+
+namespace skein {
+
+/// Sweeps that try every operator on what is poor, until none helps. With judge_carefully(true), what has been tried in
+/// vain is tried again only when something has changed round it.
+class Hunter {
+ public:
+  Hunter(Part& part, Collapser& collapse, Swapper& swap, Smoother& smooth)
+      : part_(&part), collapse_(&collapse), swap_(&swap), smooth_(&smooth) {}
+
+  /// Works on the elements below `target`, accepting only what makes the worst element better.
+  void worst(double target);
+  /// Works on the elements below `target`, accepting what makes the sum of burden() less, and no element worse that is
+  /// below `floor`. It goes on where the worst element of a few that hold each other cannot get better at once.
+  /// @pre judge_carefully(true).
+  void lighten(double target, double floor);
+  /// Makes edges that are too long or too short fewer by every operator that lessens the strain round them.
+  void relax();
+  /// From now on elements are judged carefully, or no longer.
+  void judge_carefully(bool careful);
+
+ private:
+  /// Calls work(t) for the elements below target, in up to `most` sweeps, until none returns true.
+  template <class Work>
+  void sweep(double target, int most, Work&& work);
+  /// Moves what has changed since the last sweep from the elements to their vertices.
+  void note_changes();
+  /// Something has changed at a vertex of t.
+  [[nodiscard]] bool is_new(TetId t) const noexcept;
+  bool smooth_in(TetId t);
+  bool move_along_axes_in(TetId t);
+  bool remove_vertex_in(TetId t);
+  bool lighten_in(TetId t, double floor_q3);
+  bool relax_edge(TetId t, VertId a, VertId b);
+
+  Part* part_;
+  Collapser* collapse_;
+  Swapper* swap_;
+  Smoother* smooth_;
+  Shell shell_;
+  enum : std::uint8_t { kChanged = 1, kToMove = 2 };
+  IdVector<VertId, std::uint8_t> state_;  ///< of the vertices in this sweep
+};
+
+}  // namespace skein
