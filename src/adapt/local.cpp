@@ -14,10 +14,9 @@
 namespace skein {
 namespace {
 
-constexpr int kActiveLayers = 1;               ///< round old interfaces that are worked on again
-constexpr int kMargin = 0;                     ///< layers round these that cavities may reach into
-constexpr std::size_t kSmallest = 2000;        ///< tetrahedra per thread below which threads do not pay
-constexpr std::size_t kSmallestBand = 50'000;  ///< the same for a band, of which few are worked on
+constexpr int kActiveLayers = 1;         ///< round old interfaces that are worked on again
+constexpr int kMargin = 0;               ///< layers round these that cavities may reach into
+constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which threads do not pay
 
 IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
@@ -197,7 +196,7 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
   const bool band = o.kernel.only_held;  // nearly as it shall be, so its cut needs no refinement
-  if (o.threads <= 1 || mesh.tet_slots() < (band ? kSmallestBand : kSmallest) * static_cast<std::size_t>(o.threads) ||
+  if (o.threads <= 1 || mesh.tet_slots() < (band ? o.smallest_band : kSmallest) * static_cast<std::size_t>(o.threads) ||
       (!band && mostly_interface(mesh, metric))) {
     run_alone(mesh, metric, o, result);
   } else {

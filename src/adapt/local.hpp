@@ -1,5 +1,7 @@
 // Adapting one rank's mesh with its threads; the interface to other ranks stays.
 #pragma once
+#include <cstddef>
+
 #include "kernel/part.hpp"
 
 namespace skein {
@@ -8,6 +10,7 @@ struct LocalOptions {
   int threads = 1;
   KernelOptions kernel;
   const SpacingField* spacing = nullptr;
+  std::size_t smallest_band = 50'000;  ///< tetrahedra per thread below which a band, of which few change, is not cut
 };
 struct LocalResult {
   OperationCounts counts;

@@ -35,7 +35,8 @@ constexpr int kCells = 12;
 #else
 constexpr int kCells = 10;  // even, for two regions
 #endif
-Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = false) {
+Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = false,
+            std::size_t smallest_band = LocalOptions().smallest_band) {
   Outcome r;
   r.mesh = make_mesh({.n = kCells, .shape = shape, .two_regions = regions, .perturb = 0.2});
   for (const VertId v : IdRange<VertId>(r.mesh.vert_slots())) {
@@ -46,6 +47,7 @@ Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = 
   r.before = measure(r.mesh);
   LocalOptions options;
   options.threads = threads;
+  options.smallest_band = smallest_band;
   r.result = adapt_local(r.mesh, r.metric, options);
   return r;
 }
@@ -104,6 +106,26 @@ TEST_P(Threads, GiveTheSameBytesAgain) {
   EXPECT_EQ(a.mesh.coords, b.mesh.coords);
   EXPECT_EQ(a.mesh.vert_flags, b.mesh.vert_flags);
   EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+}
+
+/// As above, with bands cut into slabs, which are too small for that otherwise.
+TEST_P(Threads, ShareTheBandsBetweenBlocks) {
+  constexpr std::size_t kAny = 1;
+  const Outcome whole = run(GetParam(), true), a = run(GetParam(), true, Shape::kBox, true, kAny);
+  const Outcome b = run(GetParam(), true, Shape::kBox, true, kAny);
+  ASSERT_EQ(check(a.mesh), "");
+  EXPECT_TRUE(interface_faces(a.mesh).empty());
+  EXPECT_EQ(differ(a.before, measure(a.mesh), 1e-12), "");
+  EXPECT_EQ(count_tets(a.mesh), a.mesh.tet_slots());
+  for (const VertId v : IdRange<VertId>(a.mesh.vert_slots())) {
+    EXPECT_TRUE(!a.mesh.has(v, kFrozen) || a.mesh.coords[v].z == 0);
+  }
+  const Fit f = fit(run(GetParam(), true, Shape::kBox, false, kAny)), g = fit(whole);
+  EXPECT_GE(f.unit_share, g.unit_share - 1);
+  EXPECT_GE(f.mean, g.mean - 0.01);
+  EXPECT_GE(f.worst, 0.1);
+  EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
+  EXPECT_EQ(a.mesh.coords, b.mesh.coords);
 }
 
 TEST_P(Threads, LeaveFrozenVerticesAndTellTheirNumbers) {
