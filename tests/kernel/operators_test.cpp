@@ -299,24 +299,35 @@ class Bench {
     for (const auto& [a, b] : edges) out.edges += strain(edge_length(metric, a, b, x[a], x[b]));
     return out;
   }
-  /// One of the operators that relax edges.
-  std::string relax(TetId t, VertId a, VertId b, int which) {
+  /// An operator that may make elements worse down to a floor for the good of a sum: did(max_length, floor_q3) is it;
+  /// moved: its vertex if it moves one; fault_of_sum(before, change) is empty if the sum is less. `slack`: of the
+  /// floor.
+  template <class Did, class IsFault>
+  std::string lessen(const char* name, VertId a, VertId moved, double slack, Did&& did, IsFault&& fault_of_sum) {
     const Snapshot before(part_);
     const double floor_q3 = any(0, 0.3), max_length = any(1, 3);
-    const bool on_surface = part_.mesh.has(a, kSurface);
-    const bool did = which == 0   ? collapse_.collapse_to_relax(a, b, t, max_length, floor_q3)
-                     : which == 1 ? swap_.edge_to_relax(t, a, b, floor_q3)
-                                  : smooth_.move_to_relax(a, floor_q3);
-    const VertId moved = which == 2 ? a : kNoVert;
-    if (auto fault = verdict(before, did, on_surface, moved); !fault.empty()) return say("relax", fault);
-    if (!did) return {};
+    const bool on_surface = part_.mesh.has(a, kSurface), done = did(max_length, floor_q3);
+    if (auto fault = verdict(before, done, on_surface, moved); !fault.empty()) return say(name, fault);
+    if (!done) return {};
     const Change c = change(before, part_, moved);
-    if (!(c.new_min >= 0.99 * std::min(c.old_min, floor_q3) * (1 - 1e-6))) return say("relax", "below the floor");
-    const Strain was = strain_of(before.mesh, before.metric, before.careful),
-                 is = strain_of(part_.mesh, part_.metric, part_.careful);
-    const double shape = which == 2 ? 0.005 : 0;
-    const bool less = is.edges + shape * is.shape < (was.edges + shape * was.shape) * (1 + 1e-4);
-    return less ? "" : say("relax", fmt::format("strain from {} to {} by operator {}", was.edges, is.edges, which));
+    if (!(c.new_min >= slack * std::min(c.old_min, floor_q3) * (1 - 1e-6))) return say(name, "below the floor");
+    const std::string fault = fault_of_sum(before, c);
+    return fault.empty() ? "" : say(name, fault);
+  }
+  /// One of the operators that relax edges.
+  std::string relax(TetId t, VertId a, VertId b, int which) {
+    const auto did = [&](double max_length, double floor_q3) {
+      return which == 0   ? collapse_.collapse_to_relax(a, b, t, max_length, floor_q3)
+             : which == 1 ? swap_.edge_to_relax(t, a, b, floor_q3)
+                          : smooth_.move_to_relax(a, floor_q3);
+    };
+    return lessen("relax", a, which == 2 ? a : kNoVert, 0.99, did, [&](const Snapshot& before, const Change&) {
+      const Strain was = strain_of(before.mesh, before.metric, before.careful),
+                   is = strain_of(part_.mesh, part_.metric, part_.careful);
+      const double shape = which == 2 ? 0.005 : 0;
+      const bool less = is.edges + shape * is.shape < (was.edges + shape * was.shape) * (1 + 1e-4);
+      return less ? "" : fmt::format("strain from {} to {} by operator {}", was.edges, is.edges, which);
+    });
   }
   std::string along_axes(VertId v) {
     const Snapshot before(part_);
@@ -328,19 +339,15 @@ class Bench {
   }
   /// One of the operators that lessen the sum of burdens.
   std::string lighten(TetId t, VertId a, VertId b, int which) {
-    const Snapshot before(part_);
-    const double floor_q3 = any(0, 0.3), max_length = any(1, 3);
-    const bool on_surface = part_.mesh.has(a, kSurface);
-    const bool did = which == 0   ? collapse_.collapse_to_lighten(a, b, t, max_length, floor_q3)
-                     : which == 1 ? swap_.edge_to_lighten(t, a, b, floor_q3)
-                                  : smooth_.move_to_lighten(a, floor_q3);
-    const VertId moved = which == 2 ? a : kNoVert;
-    if (auto fault = verdict(before, did, on_surface, moved); !fault.empty()) return say("lighten", fault);
-    if (!did) return {};
-    const Change c = change(before, part_, moved);
-    if (!(c.new_min >= 0.999 * std::min(c.old_min, floor_q3) * (1 - 1e-6))) return say("lighten", "below the floor");
-    const bool less = c.new_burden < c.old_burden;
-    return less ? "" : say("lighten", fmt::format("from {} to {} by operator {}", c.old_burden, c.new_burden, which));
+    const auto did = [&](double max_length, double floor_q3) {
+      return which == 0   ? collapse_.collapse_to_lighten(a, b, t, max_length, floor_q3)
+             : which == 1 ? swap_.edge_to_lighten(t, a, b, floor_q3)
+                          : smooth_.move_to_lighten(a, floor_q3);
+    };
+    return lessen("lighten", a, which == 2 ? a : kNoVert, 0.999, did, [&](const Snapshot&, const Change& c) {
+      const bool less = c.new_burden < c.old_burden;
+      return less ? "" : fmt::format("from {} to {} by operator {}", c.old_burden, c.new_burden, which);
+    });
   }
 
   std::mt19937 random_;
