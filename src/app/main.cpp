@@ -1,6 +1,5 @@
 // The program skein: command line, the one error line, the exit code.
 #include <fmt/core.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <atomic>
@@ -11,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/large_blocks.hpp"
 #include "app/verbs.hpp"
 
 namespace skein::app {
@@ -98,23 +98,10 @@ ExitCode guarded(const Comm& comm, const Comm& farewell, int argc, char** argv) 
 }  // namespace
 }  // namespace skein::app
 
-namespace {
-
-/// Gives large arrays back to the system as soon as they are freed. Otherwise the allocator learns from each one that
-/// is freed to keep the next in its heap, and what ranks hold grows by what lies between (docs/decisions.md, 36).
-void return_large_blocks() {
-#ifdef __GLIBC__
-  constexpr int kLarge = 1 << 20;  // bytes
-  if (std::getenv("MALLOC_MMAP_THRESHOLD_") == nullptr) ::mallopt(M_MMAP_THRESHOLD, kLarge);
-#endif
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
+  skein::app::use_large_blocks();
   skein::Environment environment(argc, argv);
   const skein::Comm comm = skein::Comm::world();
-  if (comm.size() > 1) return_large_blocks();
   const skein::Comm farewell = skein::Comm::world();  // free of messages of work that was broken off
   const skein::ExitCode code = skein::app::guarded(comm, farewell, argc, argv);
   farewell.barrier();  // rank 0 has spoken before any rank ends with an error, which makes mpirun end the others

@@ -1,0 +1,11 @@
+// Memory of the process: see large_blocks.cpp.
+#pragma once
+
+namespace skein::app {
+
+/// From now on arrays of 1 MB and more come straight from the system, in large pages where it has them, and go back to
+/// it when they are freed. To be called before there are threads. SKEIN_LARGE_PAGES=0 in the environment leaves all to
+/// malloc.
+void use_large_blocks() noexcept;
+
+}  // namespace skein::app
