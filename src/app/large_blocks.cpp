@@ -8,6 +8,7 @@
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,35 +25,50 @@ constexpr std::size_t kLargeBlock = std::size_t{1} << 20;  ///< from here on
 
 constexpr std::size_t rounded_up(std::size_t n, std::size_t unit) noexcept { return (n + unit - 1) / unit * unit; }
 
-/// The blocks that are in use: an open table of start and size. It has room for far more than a process has at a time;
-/// when it is full, malloc serves.
-class Blocks {
+struct Span {
+  char* begin = nullptr;
+  std::size_t bytes = 0;
+};
+
+/// New memory that begins at a large page's border; nothing if there is none. Its last part stays in small pages, so
+/// that it takes no more than was asked for.
+Span map_span(std::size_t bytes) noexcept {
+  const std::size_t with_slack = bytes + kLargePage;
+  void* const raw = mmap(nullptr, with_slack, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (raw == MAP_FAILED) return {};
+  const auto address = reinterpret_cast<std::uintptr_t>(raw);
+  const std::size_t before = rounded_up(address, kLargePage) - address;
+  char* const begin = static_cast<char*>(raw) + before;
+  if (before > 0) munmap(raw, before);
+  munmap(begin + bytes, kLargePage - before);
+  const std::size_t in_large_pages = bytes / kLargePage * kLargePage;
+  if (in_large_pages > 0) madvise(begin, in_large_pages, MADV_HUGEPAGE);  // a wish; without it the span is as good
+  return {begin, bytes};
+}
+
+/// The spans in use, by where they begin, in an open table with room for far more than a process has at a time.
+class UsedSpans {
  public:
-  bool insert(void* p, std::size_t bytes) {
-    const std::lock_guard hold(guard_);
-    if (used_ == kSlots / 2) return false;
-    std::size_t at = home(p);
-    while (start_[at] != nullptr) at = next(at);
-    start_[at] = p, bytes_[at] = bytes, ++used_;
-    return true;
+  [[nodiscard]] bool full() const noexcept { return used_ == kSlots / 2; }
+  void insert(Span s) noexcept {
+    std::size_t at = home(s.begin);
+    while (slot_[at].begin != nullptr) at = next(at);
+    slot_[at] = s, ++used_;
   }
-  /// Size of the block that starts at p, which is none of the table's any more; 0 if it was none.
-  std::size_t take(void* p) {
-    const std::lock_guard hold(guard_);
+  /// The span that begins at p, which is none of the table's any more; an empty one if it never was.
+  Span take(void* p) noexcept {
     std::size_t at = home(p);
-    while (start_[at] != p) {
-      if (start_[at] == nullptr) return 0;
-      at = next(at);
+    for (; slot_[at].begin != p; at = next(at)) {
+      if (slot_[at].begin == nullptr) return {};
     }
-    const std::size_t bytes = bytes_[at];
+    const Span taken = slot_[at];
     --used_;
-    for (std::size_t gap = at;;) {  // whoever was pushed on by the gap's block moves back
-      start_[gap] = nullptr;
+    for (std::size_t gap = at;; slot_[gap] = slot_[at], gap = at) {  // who was pushed on by a neighbour moves back
+      slot_[gap] = {};
       do {
         at = next(at);
-        if (start_[at] == nullptr) return bytes;
-      } while (((at - home(start_[at])) & (kSlots - 1)) < ((at - gap) & (kSlots - 1)));
-      start_[gap] = start_[at], bytes_[gap] = bytes_[at], gap = at;
+        if (slot_[at].begin == nullptr) return taken;
+      } while (distance(home(slot_[at].begin), at) < distance(gap, at));
     }
   }
 
@@ -62,38 +78,87 @@ class Blocks {
     return static_cast<std::size_t>(reinterpret_cast<std::uintptr_t>(p) / kLargePage * 0x9e3779b97f4a7c15ULL >> 52);
   }
   static std::size_t next(std::size_t at) noexcept { return (at + 1) & (kSlots - 1); }
+  static std::size_t distance(std::size_t from, std::size_t to) noexcept { return (to - from) & (kSlots - 1); }
 
-  std::mutex guard_;
   std::size_t used_ = 0;
-  std::array<void*, kSlots> start_{};
-  std::array<std::size_t, kSlots> bytes_{};
+  std::array<Span, kSlots> slot_{};
 };
 
-constinit Blocks blocks;
-constinit bool in_use = false;  ///< set before there are threads
+/// All large blocks of the process. Touching new memory costs far more than using old memory again, and arrays of like
+/// sizes come and go with every step. So what is freed is kept for the next block, up to an eighth of the most that was
+/// ever in use, and as long as both together stay within that most.
+class LargeBlocks {
+ public:
+  /// nullptr if there is no room for it.
+  void* allocate(std::size_t size) noexcept {
+    const std::lock_guard hold(guard_);
+    if (used_.full()) return nullptr;
+    const std::size_t bytes = rounded_up(size, kSmallPage);
+    Span s = from_spare(bytes);
+    if (s.begin == nullptr) {
+      while (n_spare_ > 0 && in_use_ + bytes + spare_ > most_) drop_spare(0);
+      s = map_span(bytes);
+    }
+    if (s.begin == nullptr) return nullptr;
+    in_use_ += s.bytes, most_ = std::max(most_, in_use_);
+    used_.insert(s);
+    return s.begin;
+  }
+  /// Tells whether p was one of them.
+  bool release(void* p) noexcept {
+    const std::lock_guard hold(guard_);
+    const Span s = used_.take(p);
+    if (s.begin == nullptr) return false;
+    in_use_ -= s.bytes;
+    keep(s);
+    return true;
+  }
 
-/// A block that begins at a large page's border; nullptr if there is none to be had. Its last part stays in small
-/// pages, so that it takes no more memory than was asked for.
-void* map_block(std::size_t size) noexcept {
-  const std::size_t bytes = rounded_up(size, kSmallPage), with_slack = bytes + kLargePage;
-  void* const raw = mmap(nullptr, with_slack, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (raw == MAP_FAILED) return nullptr;
-  char* const begin = static_cast<char*>(raw);
-  const std::size_t before =
-      rounded_up(reinterpret_cast<std::uintptr_t>(raw), kLargePage) - reinterpret_cast<std::uintptr_t>(raw);
-  char* const p = begin + before;
-  if (before > 0) munmap(begin, before);
-  if (kLargePage > before) munmap(p + bytes, kLargePage - before);
-  const std::size_t in_large_pages = bytes / kLargePage * kLargePage;
-  if (in_large_pages > 0) madvise(p, in_large_pages, MADV_HUGEPAGE);  // a wish; without it the block is as good
-  if (blocks.insert(p, bytes)) return p;
-  munmap(p, bytes);
-  return nullptr;
-}
+ private:
+  /// The smallest spare span that is large enough; what it has too much stays spare.
+  Span from_spare(std::size_t bytes) noexcept {
+    std::size_t best = n_spare_;
+    for (std::size_t i = 0; i < n_spare_; ++i) {
+      if (spares_[i].bytes >= bytes && (best == n_spare_ || spares_[i].bytes < spares_[best].bytes)) best = i;
+    }
+    if (best == n_spare_) return {};
+    Span s = spares_[best];
+    remove_spare(best);
+    const std::size_t own = rounded_up(bytes, kLargePage);
+    if (s.bytes >= own + kLargeBlock) {
+      keep({s.begin + own, s.bytes - own});
+      s.bytes = own;
+    }
+    return s;
+  }
+  void keep(Span s) noexcept {
+    if (n_spare_ == kSpares) drop_spare(0);
+    spares_[n_spare_++] = s, spare_ += s.bytes;
+    while (n_spare_ > 1 && spare_ > most_ / kSpareShare) drop_spare(0);
+  }
+  void drop_spare(std::size_t i) noexcept {
+    munmap(spares_[i].begin, spares_[i].bytes);
+    remove_spare(i);
+  }
+  void remove_spare(std::size_t i) noexcept {  // the order of age is kept: the oldest go first
+    spare_ -= spares_[i].bytes;
+    std::copy(spares_.data() + i + 1, spares_.data() + n_spare_, spares_.data() + i);
+    --n_spare_;
+  }
+
+  static constexpr std::size_t kSpares = 64, kSpareShare = 8;
+  std::mutex guard_;
+  UsedSpans used_;
+  std::size_t in_use_ = 0, most_ = 0, spare_ = 0, n_spare_ = 0;  // bytes, but for the last
+  std::array<Span, kSpares> spares_{};
+};
+
+constinit LargeBlocks large_blocks;
+constinit bool wanted = false;  ///< set before there are threads
 
 void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
-  if (in_use && size >= kLargeBlock && alignment <= kLargePage) {
-    if (void* const p = map_block(size)) return p;
+  if (wanted && size >= kLargeBlock && alignment <= kLargePage) {
+    if (void* const p = large_blocks.allocate(size)) return p;
   }
   const std::size_t whole = rounded_up(size == 0 ? 1 : size, alignment);
   for (;;) {
@@ -106,20 +171,15 @@ void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_
 }
 
 void release(void* p) noexcept {
-  if (reinterpret_cast<std::uintptr_t>(p) % kLargePage == 0 && p != nullptr) {
-    if (const std::size_t bytes = blocks.take(p)) {
-      munmap(p, bytes);
-      return;
-    }
-  }
-  std::free(p);
+  const bool perhaps = p != nullptr && reinterpret_cast<std::uintptr_t>(p) % kLargePage == 0;
+  if (!perhaps || !large_blocks.release(p)) std::free(p);
 }
 
 }  // namespace
 
 void use_large_blocks() noexcept {
   const char* const choice = std::getenv("SKEIN_LARGE_PAGES");
-  in_use = choice == nullptr || choice[0] != '0';
+  wanted = choice == nullptr || choice[0] != '0';
 }
 
 }  // namespace skein::app
