@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <string_view>
 
 #include "comm/impl.hpp"
 
@@ -34,9 +35,32 @@ void destroy(Comm::Impl* impl) noexcept {
   delete impl;
 }
 
+/// The value of a variable that the launcher sets, or nothing.
+std::string_view from_launcher(const char* name) noexcept {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? std::string_view() : value;
+}
+
+/// True if no message will leave this machine: one process without a launcher, or all that Open MPI's has started.
+bool all_on_this_machine() noexcept {
+  for (const char* name : {"PMI_RANK", "PMI_SIZE", "SLURM_PROCID"}) {
+    if (!from_launcher(name).empty()) return false;  // other launchers do not tell
+  }
+  if (from_launcher("OMPI_COMM_WORLD_SIZE").empty()) return from_launcher("PMIX_RANK").empty();
+  return from_launcher("OMPI_COMM_WORLD_SIZE") == from_launcher("OMPI_COMM_WORLD_LOCAL_SIZE");
+}
+
+/// Open MPI looks for networks for a fifth of a second before it finds that shared memory will do. Whoever has chosen
+/// otherwise in the environment keeps that.
+void skip_networks() noexcept {
+  ::setenv("OMPI_MCA_pml", "ob1", 0);
+  ::setenv("OMPI_MCA_btl", "self,vader", 0);
+}
+
 }  // namespace
 
 Environment::Environment(int& argc, char**& argv) {
+  if (all_on_this_machine()) skip_networks();
   int level = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
 }

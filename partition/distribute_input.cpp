@@ -171,17 +171,21 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   const auto sites = inquiry.answer(answers);
   const Box box = global_box(src.comm, src.file.coords);
   std::vector<FileTet> out(verts.size());
-  std::vector<std::uint64_t> keys(verts.size());
+  std::vector<Vec3> centre(verts.size());
   std::vector<double> work(verts.size(), 1.0);
   for (std::size_t i = 0; i < verts.size(); ++i) {
     std::array<Site, 4> s;
     for (std::size_t k = 0; k < 4; ++k) s[k] = sites[idx(verts[i][k])];
-    keys[i] = hilbert_key(0.25 * (s[0].x + s[1].x + s[2].x + s[3].x), box);
+    centre[i] = 0.25 * (s[0].x + s[1].x + s[2].x + s[3].x);
     if (metric) {  // about predicted_elements()
       const double w = 10 * std::exp(0.125 * (s[0].trace + s[1].trace + s[2].trace + s[3].trace)) *
                        std::abs(volume6(s[0].x, s[1].x, s[2].x, s[3].x)) / 6;
       if (std::isfinite(w)) work[i] += w;
     }
+  }
+  std::vector<std::uint64_t> keys(verts.size());
+  hilbert_keys(centre, box, keys);
+  for (std::size_t i = 0; i < verts.size(); ++i) {
     out[i] = {tets.verts[i], keys[i], tets.first + static_cast<std::int64_t>(i), tets.ref[i]};
   }
   dest = cut_keys(src.comm, keys, work, src.comm.size());

@@ -79,12 +79,14 @@ IdVector<TetId, Rank> hilbert_partition(const Comm& comm, const DistMesh& dist, 
                                         int parts) {
   const TetMesh& m = dist.mesh;
   const Box box = global_box(comm, m.coords.raw());
-  std::vector<std::uint64_t> keys(m.tet_slots());
+  std::vector<Vec3> centre(m.tet_slots());
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     Vec3 sum;
     for (const VertId v : m.tet2vert[t]) sum += m.coords[v];
-    keys[idx(t)] = hilbert_key(0.25 * sum, box);
+    centre[idx(t)] = 0.25 * sum;
   }
+  std::vector<std::uint64_t> keys(m.tet_slots());
+  hilbert_keys(centre, box, keys);
   return IdVector<TetId, Rank>(cut_keys(comm, keys, tet_work, parts));
 }
 

@@ -6,6 +6,7 @@
 
 #include "mesh/error.hpp"
 #include "mesh/holes.hpp"
+#include "mesh/surroundings.hpp"
 #include "partition/feature_scan.hpp"
 #include "partition/rendezvous.hpp"
 #include "partition/sharing.hpp"
@@ -176,7 +177,7 @@ struct Staying {
   std::vector<FeatureEdge> gone_features;
 };
 
-/// Finds these by one look at all tetrahedra, and gives vertices at what leaves a tetrahedron that stays.
+/// Finds these round what leaves and what was shared, and gives vertices at what leaves a tetrahedron that stays.
 class Stayers {
  public:
   Stayers(DistMesh& dist, const Leaving& leaving, const std::vector<FeatureUse>& features)
@@ -189,10 +190,10 @@ class Stayers {
   }
 
   Staying find(const std::vector<FeatureUse>& features) {
-    for (const TetId t : IdRange<TetId>(m_.tet_slots())) {
-      const auto& v = m_.tet2vert[t];
-      if ((state_[v[0]] | state_[v[1]] | state_[v[2]] | state_[v[3]]) == 0 || leaving_.leaves[t] != 0) continue;
-      look_at(t, !features.empty());
+    Surroundings near(m_, touched_);
+    near.add_all_tets();
+    for (const TetId t : near.tets()) {
+      if (leaving_.leaves[t] == 0) look_at(t, !features.empty());
     }
     for (const VertId v : touched_) (state_[v] == kStays ? out_.verts : out_.gone).push_back(v);
     std::sort(out_.gone.begin(), out_.gone.end());
@@ -303,10 +304,8 @@ class Arrival {
 
   void resize_attributes() {
     const std::size_t n = m_.vert_slots();
-    if (n > dist_.vert2gid.size()) {  // no more than that: growing the usual way doubles
-      dist_.vert2gid.reserve(n);
-      dist_.data.values.reserve(n * width());
-    }
+    reserve_with_slack(dist_.vert2gid, n);
+    reserve_with_slack(dist_.data.values, n * width());
     dist_.vert2gid.resize(n);
     dist_.data.values.resize(n * width());
   }

@@ -143,8 +143,8 @@ class RankVertices final : public VertexAttributes {
     to.push_back_log({d[0], d[1], d[2], d[3], d[4], d[5]});
   }
   void reserve(std::size_t n) override {
-    dist_.vert2gid.reserve(n);
-    dist_.data.values.reserve(n * width());
+    reserve_with_slack(dist_.vert2gid, n);
+    reserve_with_slack(dist_.data.values, n * width());
   }
   void resize(std::size_t n) override {
     dist_.vert2gid.resize(n, kNoGlobal);

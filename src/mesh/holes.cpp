@@ -8,8 +8,8 @@ namespace skein {
 namespace {
 
 template <class Vector>
-void resize_exactly(Vector& v, std::size_t n) {
-  if (n > v.size()) v.reserve(n);
+void resize(Vector& v, std::size_t n) {
+  reserve_with_slack(v, n);
   v.resize(n);
 }
 
@@ -47,17 +47,17 @@ void link_equal_faces(TetMesh& m, std::span<const FaceId> faces) {
 }
 
 void resize_tets(TetMesh& m, std::size_t n) {
-  resize_exactly(m.tet2vert, n);
-  resize_exactly(m.tet2face, n);
-  resize_exactly(m.face_tag, n);
-  resize_exactly(m.tet_ref, n);
+  resize(m.tet2vert, n);
+  resize(m.tet2face, n);
+  resize(m.face_tag, n);
+  resize(m.tet_ref, n);
 }
 
 void resize_verts(TetMesh& m, std::size_t n) {
-  resize_exactly(m.coords, n);
-  resize_exactly(m.vert_ref, n);
-  resize_exactly(m.vert_flags, n);
-  if (n > m.vert2tet.size()) m.vert2tet.reserve(n);
+  resize(m.coords, n);
+  resize(m.vert_ref, n);
+  resize(m.vert_flags, n);
+  reserve_with_slack(m.vert2tet, n);
   m.vert2tet.resize(n, kNoTet);
 }
 

@@ -23,6 +23,14 @@ std::size_t fill_holes(const std::vector<Id>& free, std::size_t n, Move&& move) 
   return n;
 }
 
+/// Room for n items and a few more: growing the usual way doubles, and without any room left over the whole array would
+/// be copied again for the next few items. What is only reserved takes no memory before it is touched.
+template <class Vector>
+void reserve_with_slack(Vector& v, std::size_t n) {
+  constexpr std::size_t kSlack = 32;  // one more for so many
+  if (n > v.capacity()) v.reserve(n + n / kSlack);
+}
+
 /// Makes two faces neighbours.
 inline void link_faces(TetMesh& m, FaceId f, FaceId g) noexcept {
   m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g;
@@ -32,7 +40,7 @@ inline void link_faces(TetMesh& m, FaceId f, FaceId g) noexcept {
 /// Makes neighbours of those among the faces that have the same vertices. @pre no three of them have.
 void link_equal_faces(TetMesh& m, std::span<const FaceId> faces);
 
-/// The arrays of the tetrahedra to n items; when they grow, without room for more, since growing the usual way doubles.
+/// The arrays of the tetrahedra to n items.
 void resize_tets(TetMesh& m, std::size_t n);
 /// The same for the vertices' arrays; new ones are cleared.
 void resize_verts(TetMesh& m, std::size_t n);

@@ -64,6 +64,7 @@ class IdVector {
   void resize(std::size_t n, const T& v) { data_.resize(n, v); }
   void assign(std::size_t n, const T& v) { data_.assign(n, v); }
   void reserve(std::size_t n) { data_.reserve(n); }
+  [[nodiscard]] std::size_t capacity() const noexcept { return data_.capacity(); }
   void clear() noexcept { data_.clear(); }
   void shrink_to_fit() { data_.shrink_to_fit(); }
   T* data() noexcept { return data_.data(); }

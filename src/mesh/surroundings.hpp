@@ -19,13 +19,16 @@ class Surroundings {
       enter(m.vert2tet[v]);
     }
   }
-  /// Adds all tetrahedra at the vertices, whether they hang together or not; looks at the whole mesh.
+  /// Adds all tetrahedra at the vertices, whether they hang together or not. Those that hang together at a vertex but
+  /// not with its first tetrahedron have a face without a neighbour; so this looks at all faces, which is quick.
   void add_all_tets() {
     for (const TetId t : IdRange<TetId>(m_.tet_slots())) {
+      const auto& f = m_.tet2face[t];
+      if (f[0] != kNoFace && f[1] != kNoFace && f[2] != kNoFace && f[3] != kNoFace) continue;
       const auto& v = m_.tet2vert[t];
-      if ((seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
+      if (v[0] != kNoVert && (seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
     }
-    next_tet_ = tets_.size();
+    add_tets();
   }
 
   /// All tetrahedra at the vertices so far. The tetrahedra at a vertex hang together over faces; where they do not, on

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "mesh/parallel.hpp"
+#include "metric/batch.hpp"
 #include "metric/measure.hpp"
+#include "report/element_pass.hpp"
 #include "report/order_statistics.hpp"
 
 namespace skein {
@@ -24,82 +26,27 @@ SymTensor log_metric(const VertexData& data, VertId v) noexcept {
 }
 
 IdVector<VertId, VertMetric> metrics(const DistMesh& dist, int threads) {
-  IdVector<VertId, VertMetric> m(dist.mesh.vert_slots());
-  const auto n = static_cast<std::int64_t>(m.size());
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (std::int64_t i = 0; i < n; ++i) {
-    const auto v = to_id<VertId>(i);
-    const SymTensor l = log_metric(dist.data, v);
-    m[v] = {exp(l), std::exp(0.5 * (l.xx + l.yy + l.zz))};  // det(exp L) = exp(trace L), without cancellation
-  }
+  const std::size_t n = dist.mesh.vert_slots();
+  IdVector<VertId, VertMetric> m(n);
+  in_parallel(threads, [&](int w) {
+    vert_metrics_from_logs(
+        share_begin(n, w, threads), share_begin(n, w + 1, threads),
+        [&](std::size_t i) { return log_metric(dist.data, to_id<VertId>(i)); },
+        [&](std::size_t i, const VertMetric& v) { m[to_id<VertId>(i)] = v; });
+  });
   return m;
 }
 
-/// What one thread gathers over its tetrahedra; merged in thread order.
-struct TetSums {
-  std::int64_t nonpositive = 0;
-  double volume = 0, min_volume = kInfinity, complexity = 0;
-  double max_cos = -1, min_cos = 1;  // of the dihedral angles
-  std::array<std::int64_t, 18> angles{};
-};
-
-/// The cosines of 10, 20 .. 170 degrees: comparing with them is cheaper than an arc cosine for each angle.
-const std::array<double, 17> angle_bounds = [] {
-  std::array<double, 17> bounds;
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    bounds[i] = std::cos(std::numbers::pi / 18 * static_cast<double>(i + 1));
-  }
-  return bounds;
-}();
-
-void add_angles(const std::array<Vec3, 4>& x, TetSums& s) noexcept {
-  std::array<Vec3, 4> normal;
-  for (std::size_t f = 0; f < 4; ++f) {
-    const auto& k = kFaceVerts[f];
-    const Vec3 a = x[static_cast<std::size_t>(k[0])];
-    normal[f] = normalized(cross(x[static_cast<std::size_t>(k[1])] - a, x[static_cast<std::size_t>(k[2])] - a));
-  }
-  for (const auto& e : kEdgeVerts) {
-    const double c = -dot(normal[static_cast<std::size_t>(e[0])], normal[static_cast<std::size_t>(e[1])]);
-    const double clamped = std::clamp(c, -1.0, 1.0);
-    s.max_cos = std::max(s.max_cos, clamped);
-    s.min_cos = std::min(s.min_cos, clamped);
-    std::size_t bin = 0;  // of 10 degrees each
-    for (const double bound : angle_bounds) bin += clamped <= bound ? 1 : 0;
-    ++s.angles[bin];
-  }
-}
-
-/// Pass over the tetrahedra; quality of each one into `q` when there are metrics.
-TetSums tet_pass(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, std::vector<double>* q, int threads) {
+/// All tetrahedra, by threads whose sums are added in their order.
+TetSums tet_pass(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, std::span<double> quality, int threads) {
   std::vector<TetSums> sums(static_cast<std::size_t>(threads));
-  const auto n = static_cast<std::int64_t>(m.tet_slots());
-#pragma omp parallel for num_threads(threads) schedule(static, 1)
-  for (int w = 0; w < threads; ++w) {
-    TetSums s;
-    for (std::int64_t i = n * w / threads; i < n * (w + 1) / threads; ++i) {
-      const auto t = to_id<TetId>(i);
-      const auto& v = m.tet2vert[t];
-      const double volume = volume6(m, t) / 6;
-      s.volume += volume;
-      s.min_volume = std::min(s.min_volume, volume);
-      s.nonpositive += !(volume > 0);
-      const std::array<Vec3, 4> x{m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]};
-      add_angles(x, s);
-      if (metric == nullptr) continue;
-      const VertMetric &a = (*metric)[v[0]], &b = (*metric)[v[1]], &c = (*metric)[v[2]], &d = (*metric)[v[3]];
-      s.complexity += (a.sqrt_det + b.sqrt_det + c.sqrt_det + d.sqrt_det) / 4 * std::abs(volume);
-      (*q)[static_cast<std::size_t>(i)] = quality(quality_cubed(x[0], x[1], x[2], x[3], a, b, c, d));
-    }
-    sums[static_cast<std::size_t>(w)] = s;
-  }
+  const std::size_t n = m.tet_slots();
+  in_parallel(threads, [&](int w) {
+    sums[static_cast<std::size_t>(w)] =
+        element_pass(m, metric, share_begin(n, w, threads), share_begin(n, w + 1, threads), quality);
+  });
   TetSums all;
-  for (const TetSums& s : sums) {
-    all.nonpositive += s.nonpositive, all.volume += s.volume, all.complexity += s.complexity;
-    all.min_volume = std::min(all.min_volume, s.min_volume);
-    all.max_cos = std::max(all.max_cos, s.max_cos), all.min_cos = std::min(all.min_cos, s.min_cos);
-    for (std::size_t i = 0; i < 18; ++i) all.angles[i] += s.angles[i];
-  }
+  for (const TetSums& s : sums) all += s;
   return all;
 }
 
@@ -147,7 +94,8 @@ struct EdgeSums {
   std::vector<LocalEdge> shared;  // both ends on other ranks, too: counted by the one whom the rendezvous names
 };
 
-/// Pass over the edges whose lower end is one of the vertices [first, last), each once.
+/// Pass over the edges whose lower end is one of the vertices [first, last), each once. Edges are collected first and
+/// measured then: whether one has been met is as good as random, so neither asks with a branch.
 EdgeSums edge_pass(const DistMesh& dist, const IdVector<VertId, VertMetric>* metric, const std::vector<char>& is_shared,
                    std::size_t first, std::size_t last) {
   constexpr std::size_t kEdgesPerVert = 7;  // a little more than there are
@@ -156,24 +104,33 @@ EdgeSums edge_pass(const DistMesh& dist, const IdVector<VertId, VertMetric>* met
   EdgeSums s;
   if (metric != nullptr) s.lengths.reserve(kEdgesPerVert * (last - first));
   IdVector<VertId, VertId> seen_from(m.vert_slots(), kNoVert);
+  std::vector<VertId> met;
   for (std::size_t i = first; i < last; ++i) {
     const auto a = to_id<VertId>(i);
-    const auto meet = [&](VertId b) {
-      if (is_shared[i] != 0 && is_shared[idx(b)] != 0) {
-        s.shared.push_back({a, b});
-        return;
-      }
-      ++s.edges;
-      if (metric != nullptr) {
-        s.lengths.push_back(edge_length((*metric)[a].m, (*metric)[b].m, m.coords[b] - m.coords[a]));
-      }
-    };
-    for (const TetId t : ball.at(i)) {
+    const auto tets = ball.at(i);
+    if (met.size() < 4 * tets.size()) met.resize(4 * tets.size());
+    std::size_t n = 0;
+    for (const TetId t : tets) {
       for (const VertId b : m.tet2vert[t]) {
-        if (b <= a || seen_from[b] == a) continue;
+        met[n] = b;
+        n += static_cast<std::size_t>(b > a) & static_cast<std::size_t>(seen_from[b] != a);
         seen_from[b] = a;
-        meet(b);
       }
+    }
+    if (is_shared[i] != 0) {
+      const auto ours = std::partition(met.begin(), met.begin() + static_cast<std::ptrdiff_t>(n),
+                                       [&](VertId b) { return is_shared[idx(b)] == 0; });
+      const auto own = static_cast<std::size_t>(ours - met.begin());
+      for (std::size_t k = own; k < n; ++k) s.shared.push_back({a, met[k]});
+      n = own;
+    }
+    s.edges += static_cast<std::int64_t>(n);
+    if (metric == nullptr) continue;
+    const std::size_t before = s.lengths.size();
+    s.lengths.resize(before + n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const VertId b = met[k];
+      s.lengths[before + k] = edge_length((*metric)[a].m, (*metric)[b].m, m.coords[b] - m.coords[a]);
     }
   }
   return s;
@@ -360,7 +317,7 @@ MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metr
   const IdVector<VertId, VertMetric>* m = with_metric ? &metric : nullptr;
 
   std::vector<double> q(with_metric ? dist.mesh.tet_slots() : 0);
-  TetSums t = tet_pass(dist.mesh, m, &q, threads);
+  const TetSums t = tet_pass(dist.mesh, m, q, threads);
   s.tets = comm.sum(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   s.vertices = dist.global_verts;
   s.nonpositive_tets = comm.sum(t.nonpositive);

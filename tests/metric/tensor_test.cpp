@@ -5,7 +5,10 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
+#include "metric/batch.hpp"
+#include "metric/metric_field.hpp"
 #include "tests/metric/tensors.hpp"
 
 namespace skein::test {
@@ -54,6 +57,21 @@ RC_GTEST_PROP(LogExp, LogInvertsExp, (std::uint32_t seed)) {
   // Relative error of the smallest eigenvalue of exp(l), by rounding at the size of the largest.
   const double tolerance = 1e-13 + 1e-14 * std::exp(high - low);
   RC_ASSERT(largest(log(exp(l)) + -1.0 * l) <= tolerance);
+}
+
+RC_GTEST_PROP(LogExp, InLanesAsOneByOne, (std::uint32_t seed)) {
+  std::mt19937 random(seed);
+  std::vector<SymTensor> logs;
+  for (int i = *rc::gen::inRange(1, 20); i > 0; --i) logs.push_back(log(random_metric(random, size(), anisotropy())));
+  if (seed % 4 == 0) logs.push_back(log(isotropic(3)));
+  std::vector<VertMetric> got(logs.size());
+  vert_metrics_from_logs(
+      0, logs.size(), [&](std::size_t i) { return logs[i]; }, [&](std::size_t i, const VertMetric& m) { got[i] = m; });
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    const VertMetric one = vert_metric_from_log(logs[i]);
+    RC_ASSERT(largest(got[i].m + -1.0 * one.m) <= 1e-13 * largest(one.m));
+    RC_ASSERT(std::abs(got[i].sqrt_det - one.sqrt_det) <= 1e-14 * one.sqrt_det);
+  }
 }
 
 TEST(LogExp, OfTheIdentityAndIsotropic) {
