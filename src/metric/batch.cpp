@@ -10,7 +10,7 @@ using Lanes = std::array<double, kTensorLanes>;
 
 /// The matrix that is made diagonal, and the columns of the rotations so far, which become its eigenvectors.
 struct Rotated {
-  TensorLanes a;                        ///< by component: xx xy yy xz yz zz
+  TensorLanes a;                            ///< by component: xx xy yy xz yz zz
   std::array<std::array<Lanes, 3>, 3> v{};  ///< v[p]: the p-th eigenvector
 };
 

@@ -14,8 +14,8 @@ namespace skein {
 struct TetSums {
   std::int64_t nonpositive = 0;
   double volume = 0, min_volume = std::numeric_limits<double>::infinity();
-  double complexity = 0;             ///< integral of sqrt(det M); 0 without metrics
-  double max_cos = -1, min_cos = 1;  ///< of the dihedral angles
+  double complexity = 0;                  ///< integral of sqrt(det M); 0 without metrics
+  double max_cos = -1, min_cos = 1;       ///< of the dihedral angles
   std::array<std::int64_t, 18> angles{};  ///< dihedral angles in classes of 10 degrees
   TetSums& operator+=(const TetSums& s) noexcept;
 };
