@@ -52,10 +52,16 @@ void check_arrays(const DistMesh& dist, Fault& fault) {
 /// What one thread finds out about its tetrahedra.
 struct Adjacency {
   Fault fault;
-  std::vector<FaceId> open;  ///< faces without a local neighbour
+  std::vector<FaceId> open;    ///< faces without a local neighbour
+  std::uint64_t names = 0;     ///< sum over (face, its neighbour) ...
+  std::uint64_t named_by = 0;  ///< ... and over (neighbour, face)
 };
 
-/// Of the tetrahedra [first, last).
+std::uint64_t pair_hash(FaceId f, FaceId g) noexcept {
+  return mix(mix(static_cast<std::uint64_t>(num(f))) ^ static_cast<std::uint64_t>(num(g)));
+}
+
+/// Of the tetrahedra [first, last). Looks at no other ones: neighbours lie far from each other in memory.
 void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, Adjacency& out) {
   const TetMesh& m = dist.mesh;
   for (const TetId t : IdRange<TetId>(first, last)) {
@@ -65,15 +71,30 @@ void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, 
         out.open.push_back(me);
         continue;
       }
-      if (idx(face_tet(f)) >= m.tet_slots() || m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] != me)
+      if (f == me || idx(face_tet(f)) >= m.tet_slots())
         return out.fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(t), k);
       if (is_hull(m.face_tag[t][k]))
         return out.fault.tell("tetrahedron {}, face {}: a hull face has a neighbour", num(t), k);
+      out.names += pair_hash(me, f);
+      out.named_by += pair_hash(f, me);
     }
   }
 }
 
-/// Gives the faces without a local neighbour, ascending.
+/// Tells the first face whose neighbour does not name it back. @pre all neighbours are faces of this mesh
+void find_one_sided(const TetMesh& m, Fault& fault) {
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const FaceId f = m.tet2face[t][k], me = make_face(t, static_cast<int>(k));
+      if (f == kNoFace || m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] == me) continue;
+      return fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(t), k);
+    }
+  }
+}
+
+/// Gives the faces without a local neighbour, ascending. Neighbours name each other when the pairs (face, neighbour)
+/// are, as a set, the pairs (neighbour, face). So sums of 64-bit hashes over both are compared; only where they differ
+/// is it found out which face it is.
 std::vector<FaceId> check_adjacency(const DistMesh& dist, int threads, Fault& fault) {
   std::vector<Adjacency> found(static_cast<std::size_t>(threads));
   const std::size_t n = dist.mesh.tet_slots();
@@ -82,10 +103,13 @@ std::vector<FaceId> check_adjacency(const DistMesh& dist, int threads, Fault& fa
                     found[static_cast<std::size_t>(w)]);
   });
   std::vector<FaceId> open;
+  std::uint64_t one_sided = 0;
   for (const Adjacency& a : found) {
     if (!a.fault.line().empty()) fault.tell("{}", a.fault.line());
     open.insert(open.end(), a.open.begin(), a.open.end());
+    one_sided += a.names - a.named_by;
   }
+  if (fault.line().empty() && one_sided != 0) find_one_sided(dist.mesh, fault);
   return open;
 }
 

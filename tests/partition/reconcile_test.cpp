@@ -39,6 +39,17 @@ FaceId first_face(const TetMesh& m, bool hull) {
   return kNoFace;
 }
 
+/// The neighbours of two faces change places: each is still named once, but names another face.
+void swap_two_neighbours(TetMesh& m) {
+  std::vector<FaceId*> found;
+  for (auto& faces : m.tet2face) {
+    for (FaceId& f : faces) {
+      if (f != kNoFace && found.size() < 2) found.push_back(&f);
+    }
+  }
+  std::swap(*found.at(0), *found.at(1));
+}
+
 TEST(Reconcile, PassesOnAGoodMesh) {
   const Comm& comm = world();
   EXPECT_NO_THROW(reconcile(comm, make(comm)));
@@ -46,6 +57,9 @@ TEST(Reconcile, PassesOnAGoodMesh) {
 
 TEST(Reconcile, SeesWhatIsWrongOnOneRank) {
   expect_fault([](DistMesh& d) { d.mesh.tet2face[TetId{3}][1] = make_face(TetId{3}, 2); }, "name it back");
+  expect_fault([](DistMesh& d) { d.mesh.tet2face[TetId{3}][1] = make_face(TetId{3}, 1); }, "name it back");
+  expect_fault([](DistMesh& d) { d.mesh.tet2face[TetId{3}][1] = make_face(d.mesh.tet2vert.end_id(), 0); }, "name it");
+  expect_fault([](DistMesh& d) { swap_two_neighbours(d.mesh); }, "name it back");
   expect_fault([](DistMesh& d) { ++d.global_tets; }, "tetrahedra");
   expect_fault([](DistMesh& d) { d.vert2gid[VertId{0}] = d.vert2gid[VertId{1}]; }, "");
   expect_fault([](DistMesh& d) { d.mesh.vert_ref.push_back(0); }, "length");
