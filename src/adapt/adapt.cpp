@@ -88,9 +88,9 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
 }
 
 /// The local part of the first round: the kernel on all of this rank's mesh. Not collective.
-OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
+LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
   MetricField metric = metric_from_data(dist);
-  const LocalResult r = adapt_local(dist.mesh, metric, options);
+  LocalResult r = adapt_local(dist.mesh, metric, options);
   data_from_metric(dist, metric, options.threads);
   // Only shared vertices keep their numbers; they were frozen.
   IdVector<VertId, GlobalId> gid(dist.mesh.vert_slots(), kNoGlobal);
@@ -99,7 +99,7 @@ OperationCounts adapt_rank(DistMesh& dist, const LocalOptions& options) {
     gid[dist.sharing.vert[i]] = dist.sharing.gid[i];
   }
   dist.vert2gid = std::move(gid);
-  return r.counts;
+  return r;
 }
 
 /// The local part of a later round: the kernel on what is active, and nothing that costs as much as the whole mesh.
@@ -209,7 +209,7 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
     if (comm.size() > 1) cut_parts(comm, dist, now.parts, local);
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
     run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log,
-               [&] { return adapt_rank(dist, step_options); });
+               [&] { return adapt_rank(dist, step_options).counts; });
     dist.data = given->at_vertices(dist);
     for (auto& f : dist.mesh.vert_flags) f |= kActive;  // threads leave it to what they have looked at twice
   }
@@ -236,7 +236,15 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   finish();
   LocalOptions first = local;
   if (grown && parts > 1) first.kernel.least_turns = kTurnsAfterGrowth;
-  const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] { return adapt_rank(dist, first); });
+  bool hard = false;
+  const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] {
+    const LocalResult r = adapt_rank(dist, first);
+    hard = r.hard;
+    return r.counts;
+  });
+  // Of the whole mesh: what most of it looks like.
+  const auto tets = static_cast<std::int64_t>(dist.mesh.tet_slots());
+  local.kernel.hard = 2 * comm.sum(hard ? tets : 0) > comm.sum(tets);
   bool more = parts > 1;
   const int rounds = options.rounds > 1 ? options.rounds + kMendingRounds : 1;
   for (int round = 1; more && round < rounds; ++round) {

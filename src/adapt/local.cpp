@@ -54,6 +54,7 @@ void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalR
     if (v != kNoVert) v = step[v];
   }
   result.counts += part.counts;
+  result.hard = part.hard;
   mesh = std::move(part.mesh);
   metric = std::move(part.metric);
   squeeze_all(mesh, metric, result.old2new);
@@ -125,7 +126,10 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
     Block& block = of(blocks, b);
     seal_block(block, run(block.part, o));
   });
-  for (const Block& b : blocks) result.counts += b.part.counts;
+  for (const Block& b : blocks) {
+    result.counts += b.part.counts;
+    result.hard = result.hard || b.part.hard;
+  }
   Merged merged = merge_blocks(blocks, old_verts);
   for (auto& v : result.old2new) {
     if (v != kNoVert) v = merged.old2new[v];

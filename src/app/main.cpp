@@ -32,9 +32,11 @@ ExitCode report_parse_result(const Comm& comm, const CLI::App& cli, const CLI::P
     fmt::print("{}", out.str());
     return ExitCode::kOk;
   }
-  std::string verb;
+  std::string verb, what = e.what();
   for (const CLI::App* sub : cli.get_subcommands()) verb = " " + sub->get_name();
-  print_error(fmt::format("{}; see: skein{} --help", e.what(), verb));
+  // CLI11 misses a verb before it looks at words that are none.
+  if (verb.empty() && cli.remaining_size() > 0) what = fmt::format("'{}' is not a verb of skein", cli.remaining()[0]);
+  print_error(fmt::format("{}; see: skein{} --help", what, verb));
   return ExitCode::kUsage;
 }
 

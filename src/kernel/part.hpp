@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,11 +17,14 @@ namespace skein {
 
 /// How the kernel's passes are driven; lengths are metric, qualities are Q (not cubed).
 struct KernelOptions {
-  bool centroid_points = false;       ///< create points at centroids with exclusion zones instead of along edges
-  bool springs = false;               ///< move vertices by springs between them instead of by quality
-  bool surface = true;                ///< tagged faces may change
-  int least_turns = 2;                ///< of the main passes, even if little changes any more
-  bool only_held = false;             ///< begin at kHeld vertices only, and go on to what changes, where active
+  bool centroid_points = false;  ///< create points at centroids with exclusion zones instead of along edges
+  bool springs = false;          ///< move vertices by springs between them instead of by quality
+  bool surface = true;           ///< tagged faces may change
+  int least_turns = 2;           ///< of the main passes, even if little changes any more
+  bool only_held = false;        ///< begin at kHeld vertices only, and go on to what changes, where active
+  /// The metric turns within the elements of the mesh that this part is of. Not set: as the part itself looks, which
+  /// for a band round bad elements would say nothing.
+  std::optional<bool> hard = {};
   double split_above = 1.4142135623;  ///< edges longer than this get points
   double collapse_below = 0.7071067;  ///< edges shorter than this lose an end
   double length_min_new = 0.6;        ///< no new point closer than this to another
@@ -92,6 +96,7 @@ struct Part {
   KernelOptions options;
   OperationCounts counts;
   bool careful = false;              ///< elements are judged by least_quality_cubed
+  bool hard = false;                 ///< of the result: what options.hard is for bands of it
   IdVector<VertId, Anchor> anchors;  ///< of all vertices, or empty
 
   // Kept by Cavity and the operators.

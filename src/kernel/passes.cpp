@@ -456,18 +456,31 @@ void hunt_carefully(Passes& pass, Care care, bool settled) {
   }
   hunt.judge_carefully(false);
 }
+/// What is left of a band between what must stay.
+void hunt_bad(Passes& pass) {
+  constexpr double kBad = 0.2, kFloorOfBad = 0.15;
+  Hunter& hunt = pass.hunt();
+  hunt.judge_carefully(true);
+  hunt.lighten(kBad, kFloorOfBad);
+  hunt.worst(kBad);
+  pass.hunt_lengths(kVeryFar);
+  hunt.judge_carefully(false);
+}
 }  // namespace
 
 IdVector<VertId, VertId> adapt_part(Part& part) {
   Passes pass(part);
-  const double strained = pass.share_below(kPoor) > kHardShare ? pass.strained_share() : 1;
+  const auto is_hard = [&] { return part.options.hard.value_or(pass.share_below(kPoor) > kHardShare); };
+  const double strained = is_hard() ? pass.strained_share() : 1;
   if (strained < kAdaptedBefore) pass.anchor();
   const bool settled = strained < kSettledShare && pass.share_below(kBadQuality) < kFewBad;
   const Care care = settled ? kRefined : main_turns(pass, part);
-  if (settled || pass.share_below(kPoor) > kHardShare) {
+  part.hard = settled || is_hard();
+  if (part.hard) {
     hunt_carefully(pass, care, settled);
   } else {
     hunt(pass, care);
+    if (part.options.only_held) hunt_bad(pass);
   }
   part.anchors = {};
   pass.count_poor(kPoor);

@@ -53,6 +53,7 @@ class Errors(Case):
 
     def test_usage(self):
         self.refused(USAGE, ["subcommand"])
+        self.refused(USAGE, ["adpt", "not a verb"], "adpt")
         self.refused(USAGE, ["IN"], "adapt")
         self.refused(USAGE, ["--metric", "--size"], "adapt", self.good, "-o", self.path("out.meshb"))
         self.refused(USAGE, ["--complexity"], "adapt", self.good, "--field", self.metric, "-o", self.path("out.meshb"))
