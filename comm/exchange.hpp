@@ -1,7 +1,9 @@
 // Sparse exchange: every rank sends blocks of items to a few others and gets theirs, sorted by source rank.
 #pragma once
 #include <algorithm>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "comm/comm.hpp"
@@ -25,9 +27,17 @@ struct Packets {
 template <Sendable T>
 Packets<T> pack(std::span<const Rank> dest, std::span<const T> items);
 
+/// The same of items that are not needed any more: not copied where all go to one rank.
+template <Sendable T>
+Packets<T> pack(std::span<const Rank> dest, std::vector<T>&& items);
+
 /// Collective. Delivers each block to its rank (also to oneself). Blocks come sorted by source rank; no empty block.
 template <Sendable T>
 Packets<T> exchange(const Comm& comm, const Packets<T>& send);
+
+/// Collective. The same of packets that are not needed any more: not copied on a single rank, freed early on many.
+template <Sendable T>
+Packets<T> exchange(const Comm& comm, Packets<T>&& send);
 
 /// Collective. exchange(pack(dest, items)).
 template <Sendable T>

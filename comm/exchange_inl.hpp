@@ -79,6 +79,28 @@ Packets<T> exchange(const Comm& comm, const Packets<T>& send) {
   return out;
 }
 
+template <Sendable T>
+Packets<T> pack(std::span<const Rank> dest, std::vector<T>&& items) {
+  const bool one = std::adjacent_find(dest.begin(), dest.end(), std::not_equal_to<>()) == dest.end();
+  if (!one || items.empty()) {
+    Packets<T> out = pack(dest, std::span<const T>(items));
+    items = {};
+    return out;
+  }
+  Packets<T> out;
+  out.rank.push_back(dest.front());
+  out.offset.push_back(items.size());
+  out.items = std::move(items);
+  return out;
+}
+
+template <Sendable T>
+Packets<T> exchange(const Comm& comm, Packets<T>&& send) {
+  Packets<T> taken = std::move(send);
+  if (comm.size() == 1) return taken.items.empty() ? Packets<T>{} : std::move(taken);
+  return exchange(comm, std::as_const(taken));
+}
+
 template <Sendable Q, Sendable A>
 std::vector<A> reply(const Comm& comm, const Packets<Q>& sent, const Packets<Q>& asked, std::span<const A> answers) {
   std::vector<A> out(sent.items.size());

@@ -42,9 +42,10 @@ void match_locally(TetMesh& m) {
     const auto [v, odd] = sorted(f);
     under[offset[idx(v[0])]++] = {v[1], v[2], odd ? ~num(f) : num(f)};
   }
-  const auto less = [](const FaceUnder& a, const FaceUnder& b) {
-    return a.mid != b.mid ? a.mid < b.mid : a.high < b.high;
+  const auto key = [](const FaceUnder& a) {
+    return static_cast<std::uint64_t>(num(a.mid)) << 32 | static_cast<std::uint32_t>(num(a.high));
   };
+  const auto less = [&](const FaceUnder& a, const FaceUnder& b) { return key(a) < key(b); };
   const auto link = [&](FaceId f, FaceId g) { m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g; };
   std::size_t begin = 0;
   for (std::size_t v = 0; v < nv; ++v) {

@@ -155,7 +155,7 @@ struct Site {
 std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   const auto& tets = src.file.tets;
   const bool metric = src.options.work_from_metric && src.fields != nullptr && src.fields->width >= 6;
-  GidMap gids(tets.verts.size() / 4 + 16);
+  GidMap gids(tets.verts.size() / 4 + 16, src.file.total_verts);
   std::vector<std::array<VertId, 4>> verts(tets.verts.size());
   for (std::size_t i = 0; i < verts.size(); ++i) {
     for (std::size_t k = 0; k < 4; ++k) verts[i][k] = gids.insert(tets.verts[i][k]);
@@ -170,7 +170,6 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   }
   const auto sites = inquiry.answer(answers);
   const Box box = global_box(src.comm, src.file.coords);
-  std::vector<FileTet> out(verts.size());
   std::vector<Vec3> centre(verts.size());
   std::vector<double> work(verts.size(), 1.0);
   for (std::size_t i = 0; i < verts.size(); ++i) {
@@ -185,10 +184,12 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   }
   std::vector<std::uint64_t> keys(verts.size());
   hilbert_keys(centre, box, keys);
+  dest = cut_keys(src.comm, keys, work, src.comm.size());
+  centre = {}, work = {};  // before the largest array is made
+  std::vector<FileTet> out(verts.size());
   for (std::size_t i = 0; i < verts.size(); ++i) {
     out[i] = {tets.verts[i], keys[i], tets.first + static_cast<std::int64_t>(i), tets.ref[i]};
   }
-  dest = cut_keys(src.comm, keys, work, src.comm.size());
   return out;
 }
 
@@ -197,15 +198,15 @@ Growing gather_tets(const FileSource& src) {
   Packets<FileTet> got;
   {
     std::vector<Rank> dest;
-    const auto tets = plan(src, dest);
-    got = exchange_items(src.comm, dest, tets);
+    auto tets = plan(src, dest);
+    got = exchange(src.comm, pack(std::span<const Rank>(dest), std::move(tets)));
   }
   std::vector<KeyIndex> order(got.items.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = {got.items[i].key, static_cast<std::uint32_t>(i)};
   radix_sort(order);
   Growing g;
   TetMesh& m = g.dist.mesh;
-  g.gid2vert = GidMap(order.size() / 4 + 16);
+  g.gid2vert = GidMap(order.size() / 4 + 16, src.file.total_verts);
   m.tet2vert.resize(order.size());
   m.tet_ref.resize(order.size());
   g.tet_number.resize(order.size());

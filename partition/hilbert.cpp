@@ -49,6 +49,7 @@ Box global_box(const Comm& comm, std::span<const Vec3> points) {
 
 std::vector<Rank> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys, std::span<const double> work,
                            int parts) {
+  if (parts == 1) return std::vector<Rank>(keys.size(), Rank{0});
   const WorkBelow below(keys, work);
   const double total = comm.sum(below.total());
   const auto cuts = static_cast<std::size_t>(std::max(0, parts - 1));

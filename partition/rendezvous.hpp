@@ -49,10 +49,12 @@ constexpr Rank meeting_rank(const std::array<GlobalId, 3>& gid, int ranks) noexc
       mix(mix(mix(gid[0]) ^ static_cast<std::uint64_t>(num(gid[1]))) ^ static_cast<std::uint64_t>(num(gid[2]))), ranks);
 }
 
-/// Global ids numbered 0, 1, ... in the order of their first insertion (open addressing).
+/// Global ids numbered 0, 1, ... in the order of their first insertion: open addressing, or a place for each id where
+/// that takes not much more.
 class GidMap {
  public:
-  explicit GidMap(std::size_t expected);
+  /// @pre ids are below `total` if that is given.
+  explicit GidMap(std::size_t expected, std::int64_t total = 0);
   /// The number of g, a new one if it is not there.
   VertId insert(GlobalId g);
   /// kNoVert when g is not there.
@@ -62,8 +64,10 @@ class GidMap {
 
  private:
   void grow();
+  VertId put(std::size_t slot, GlobalId g);
   std::vector<GlobalId> gids_;
-  std::vector<std::int32_t> table_;  ///< number, or -1; the size is a power of two
+  std::vector<std::int32_t> table_;  ///< number, or -1; the size is a power of two unless direct
+  bool direct_;                      ///< the place of an id is the id
 };
 
 /// Collective. exchange() of vectors.

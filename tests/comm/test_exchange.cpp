@@ -1,7 +1,9 @@
 // Sparse exchange and replies.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "comm/exchange.hpp"
 #include "tests/support/world.hpp"
@@ -33,6 +35,13 @@ void check_all_pairs(Count count) {
     }
   }
   const auto got = exchange(world(), std::span<const Rank>(dest), std::span<const Item>(items));
+  const auto same = [](const Item& a, const Item& b) {
+    return a.from == b.from && a.to == b.to && a.serial == b.serial;
+  };
+  const auto moved = exchange(world(), pack(std::span<const Rank>(dest), std::move(items)));
+  EXPECT_EQ(moved.rank, got.rank);
+  EXPECT_EQ(moved.offset, got.offset);
+  EXPECT_TRUE(std::ranges::equal(moved.items, got.items, same));
   std::size_t block = 0;
   for (std::int32_t from = 0; from < world().size(); ++from) {
     if (count(from, self) == 0) continue;
@@ -131,6 +140,24 @@ TEST(Pack, is_stable) {
   EXPECT_EQ(p.rank, (std::vector<Rank>{Rank{0}, Rank{2}, Rank{7}}));
   EXPECT_EQ(p.items, (std::vector<std::int32_t>{13, 11, 14, 10, 12}));
   EXPECT_EQ(p.offset, (std::vector<std::size_t>{0, 1, 3, 5}));
+}
+
+TEST(Pack, of_what_is_not_needed_any_more_is_the_same) {
+  for (const int ranks : {1, 3}) {  // all to rank 2, or to 2, 3 and 4
+    std::vector<Rank> dest;
+    std::vector<std::int32_t> items;
+    for (std::int32_t i = 0; i < 10; ++i) {
+      dest.push_back(Rank{2 + i % ranks});
+      items.push_back(i);
+    }
+    const auto copied = pack(std::span<const Rank>(dest), std::span<const std::int32_t>(items));
+    const auto moved = pack(std::span<const Rank>(dest), std::move(items));
+    EXPECT_EQ(moved.rank, copied.rank);
+    EXPECT_EQ(moved.offset, copied.offset);
+    EXPECT_EQ(moved.items, copied.items);
+  }
+  const auto none = pack(std::span<const Rank>(), std::vector<std::int32_t>());
+  EXPECT_EQ(none.blocks(), 0U);
 }
 
 }  // namespace

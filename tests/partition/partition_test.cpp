@@ -6,11 +6,28 @@
 #include <numeric>
 
 #include "partition/hilbert.hpp"
+#include "partition/rendezvous.hpp"
 #include "tests/partition/cube.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
 namespace {
+
+TEST(GidMap, GivesTheSameNumbersWithAPlaceForEachIdAndWithout) {
+  GidMap hashed(10), direct(10, 40), too_sparse(10, 41);
+  for (std::int64_t i = 0; i < 100; ++i) {
+    const GlobalId g{i * i * 7 % 40};
+    const VertId v = hashed.insert(g);
+    EXPECT_EQ(direct.insert(g), v);
+    EXPECT_EQ(too_sparse.insert(g), v);
+  }
+  for (std::int64_t i = 0; i < 40; ++i) {
+    EXPECT_EQ(direct.find(GlobalId{i}), hashed.find(GlobalId{i}));
+    EXPECT_EQ(too_sparse.find(GlobalId{i}), hashed.find(GlobalId{i}));
+  }
+  EXPECT_EQ(direct.gids(), hashed.gids());
+  EXPECT_LT(direct.size(), 40U);  // some were never there
+}
 
 TEST(CutKeys, PartsAreInOrderAndBalanced) {
   const Comm& comm = world();
