@@ -2,6 +2,7 @@
 #include "app/run_report.hpp"
 
 #include <fmt/core.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -27,6 +28,12 @@ int local_ranks(const Comm& comm) {
     if (value != nullptr && std::atoi(value) > 0) return std::atoi(value);
   }
   return comm.size();
+}
+
+/// Cores that this process may run on; 0 if unknown.
+int own_cores() {
+  cpu_set_t cores;
+  return sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 0;
 }
 
 /// The metric itself, from its logarithm.
@@ -70,6 +77,12 @@ void note_threads(const Comm& comm, int threads, PhaseLog& log) {
   if (cores > 0 && wanted > cores) {
     log.note(fmt::format("note: {} processes of {} threads share {} cores of this machine", local_ranks(comm), threads,
                          cores));
+    return;
+  }
+  const int bound = own_cores();
+  if (bound > 0 && bound < threads) {
+    log.note(fmt::format("note: {} threads share {} core{}, to which the process is bound; see mpirun --bind-to none",
+                         threads, bound, bound == 1 ? "" : "s"));
   }
 }
 

@@ -26,7 +26,7 @@ void require_outputs(const Comm& comm, const RunOptions& o);
 /// which collects the output of the ranks), plain lines elsewhere.
 PhaseLog::Output progress_output(bool quiet);
 
-/// Rank 0 says when there are more threads than cores. Collective.
+/// Rank 0 says when there are more threads than cores, on the machine or of those it is bound to. Collective.
 void note_threads(const Comm& comm, int threads, PhaseLog& log);
 
 /// Fields on the new mesh: data numbers 6, 7, ... of the vertices.

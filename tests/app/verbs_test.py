@@ -59,6 +59,13 @@ class Verbs(Case):
                     for name, value in told[part].items():
                         self.assertAlmostEqual(stats[part][name], value, places=9, msg=name)
 
+    def test_threads_that_share_a_core_are_told(self):
+        core = str(min(os.sched_getaffinity(0)))
+        for prefix, notes in ((("taskset", "-c", core), 1), ((), 0 if len(os.sched_getaffinity(0)) > 1 else 1)):
+            result = run(1, "adapt", self.good, "--metric", self.metric, "-o", self.path("s.meshb"), "--threads", "2",
+                         prefix=prefix)
+            self.assertEqual((result.code, result.out.count("share 1 core")), (0, notes))
+
     def test_adapt_to_sizes_quietly(self):
         sizes, out = self.path("h.sol"), self.path("b.vtu")
         write_solution(sizes, [(0.2 + 0.2 * x,) for x, _, _ in self.verts])
