@@ -6,6 +6,9 @@ namespace {
 
 constexpr std::size_t kMaxCavity = 96;
 constexpr int kShrinkTurns = 4;
+/// Q^3 of a tetrahedron on a face that stays, below which no new point presses it further: on a face that is longer
+/// than the metric asks for, there would always be room for one more, nearer to it.
+constexpr double kKeptFloor = 0.3 * 0.3 * 0.3;
 
 /// Edge bits of a tetrahedron -> those of its face's edges in a new tetrahedron (p, v0, v1, v2) on that face.
 constexpr auto kBaseEdges = [] {
@@ -111,16 +114,33 @@ bool Inserter::cone_is_good(VertId p, double floor_q3) {
   return true;
 }
 
+bool Inserter::is_pressed(std::size_t i) const noexcept {
+  const BorderFace& f = border_[i];
+  if (cone_.q3(i) > kKeptFloor || cone_.q3(i) >= static_cast<double>(part_->q3[cavity_->old_tets()[f.old]]))
+    return false;
+  const TetMesh& m = part_->mesh;
+  if (f.tag != 0 && (!part_->options.surface || (f.tag & kRequiredFace) != 0)) return true;
+  return m.has(f.v[0], kFrozen) && m.has(f.v[1], kFrozen) && m.has(f.v[2], kFrozen);
+}
+
+bool Inserter::keeps_distance() const noexcept {
+  for (std::size_t i = 0; i < border_.size(); ++i) {
+    if (is_pressed(i)) return false;
+  }
+  return true;
+}
+
 bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
   auto& old = cavity_->old_tets();
   // A cavity that is still not star-shaped after a few turns is a bad one, and each turn judges all of it again.
   for (int turn = 0; turn < kShrinkTurns; ++turn) {
     collect_border();
-    if (cone_.judge(part_->x(p), part_->metric.at[p]) > floor_q3) return true;
+    const double lowest = cone_.judge(part_->x(p), part_->metric.at[p]);
+    if (lowest > floor_q3 && (lowest > kKeptFloor || keeps_distance())) return true;
     // What has a bad face goes; from the end on, since removing moves the last one into the gap.
     std::size_t last = old.size();
     for (std::size_t i = border_.size(); i-- > 0;) {
-      if (cone_.q3(i) > floor_q3 || border_[i].old == last) continue;
+      if ((cone_.q3(i) > floor_q3 && !is_pressed(i)) || border_[i].old == last) continue;
       last = border_[i].old;
       if (last < seeds) return false;
       cavity_->remove_at(last);
@@ -192,7 +212,7 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
   if (too_close(p, min_length)) return InsertResult::kTooClose;
   grow(p);
   constexpr double kGood = 0.2 * 0.2 * 0.2;
-  const double floor_q3 = std::max(1e-15, std::min(kGood, 0.125 * seed_min));
+  const double floor_q3 = std::max(1e-15, std::min(kGood, (strict_ ? 1 : 0.125) * seed_min));
   if (!shrink_and_cone(p, seeds, floor_q3) || !keeps_vertices()) {
     auto& old = cavity_->old_tets();
     if (old.size() == seeds) return InsertResult::kRefused;

@@ -24,6 +24,9 @@ class Inserter {
   /// A point inside tetrahedron t (its barycentric weights positive), not nearer than `exclusion` (metric length) to
   /// any vertex of the cavity.
   InsertResult inside(TetId t, const std::array<double, 4>& weight, double exclusion);
+  /// From now on no point may leave a bad element that is worse than the worst of those it replaces; otherwise it may
+  /// have half their quality, as more points will follow.
+  void set_strict(bool strict) noexcept { strict_ = strict; }
   /// Of the edge that was tried last; cut off where it was too large.
   [[nodiscard]] const Shell& shell() const noexcept { return shell_; }
 
@@ -34,6 +37,10 @@ class Inserter {
   void collect_border();
   /// With Part::careful: takes the careful measure over for all elements of the cone; false if one is below the floor.
   [[nodiscard]] bool cone_is_good(VertId p, double floor_q3);
+  /// The i-th face of the border can neither be split nor move, and would get a poor element, worse than the old one.
+  [[nodiscard]] bool is_pressed(std::size_t i) const noexcept;
+  /// No face is pressed.
+  [[nodiscard]] bool keeps_distance() const noexcept;
   bool shrink_and_cone(VertId p, std::size_t seeds, double floor_q3);
   [[nodiscard]] bool too_close(VertId p, double min_length);
   /// The same for the vertices behind the cavity's faces: where elements are bad, a near vertex need not be in the
@@ -63,6 +70,7 @@ class Inserter {
   std::vector<VertId> link_;
   std::size_t n_link_ = 0;
   bool on_edge_ = false;
+  bool strict_ = false;
   bool walled_ = false;  ///< a tagged face of the shell lies in the cavity
 };
 

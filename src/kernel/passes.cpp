@@ -289,6 +289,7 @@ std::int64_t Passes::smooth_below(double quality) {
 void Passes::hunt_lengths(const LengthHunt& hunt) {
   const KernelOptions strict = part_.options;
   part_.options.length_min_new = hunt.min_new;
+  insert_.set_strict(true);
   std::int64_t done = 1;
   for (int turn = 0; done != 0 && turn < kLengthTurns; ++turn) {
     done = 0;
@@ -301,6 +302,7 @@ void Passes::hunt_lengths(const LengthHunt& hunt) {
     }
   }
   part_.options = strict;
+  insert_.set_strict(false);
 }
 
 double Passes::share_below(double quality) const {
@@ -395,11 +397,14 @@ struct Care {
 /// A mesh with more poor elements than this after the main turns has a metric that turns within its elements (17 %
 /// where h = 0.001 across a cylinder and 0.1 along it, below 3 % everywhere else): its edges are relaxed.
 constexpr double kHardShare = 0.05;
+constexpr double kHardShareOfBad =
+    0.01;                      ///< the same for bad elements: a surface that stays, far coarser than the metric
 constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
 /// Of such a mesh: with fewer strained edges than this it has been adapted to this metric before; with fewer than the
 /// second and next to no bad elements the main turns would move much for little, and only single edges and elements are
 /// worked on.
 constexpr double kAdaptedBefore = 0.3, kSettledShare = 0.04, kFewBad = 0.0003;
+constexpr double kBad = 0.2;  ///< quality below which an element is hunted carefully in any mesh
 constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
 constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
 constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
@@ -456,9 +461,9 @@ void hunt_carefully(Passes& pass, Care care, bool settled) {
   }
   hunt.judge_carefully(false);
 }
-/// What is left of a band between what must stay.
+/// What is left between what must stay.
 void hunt_bad(Passes& pass) {
-  constexpr double kBad = 0.2, kFloorOfBad = 0.15;
+  constexpr double kFloorOfBad = 0.15;
   Hunter& hunt = pass.hunt();
   hunt.judge_carefully(true);
   hunt.lighten(kBad, kFloorOfBad);
@@ -475,12 +480,12 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   if (strained < kAdaptedBefore) pass.anchor();
   const bool settled = strained < kSettledShare && pass.share_below(kBadQuality) < kFewBad;
   const Care care = settled ? kRefined : main_turns(pass, part);
-  part.hard = settled || is_hard();
+  part.hard = settled || is_hard() || (!part.options.hard && pass.share_below(kBad) > kHardShareOfBad);
   if (part.hard) {
     hunt_carefully(pass, care, settled);
   } else {
     hunt(pass, care);
-    if (part.options.only_held) hunt_bad(pass);
+    if (part.options.only_held || pass.share_below(kBad) > 0) hunt_bad(pass);
   }
   part.anchors = {};
   pass.count_poor(kPoor);

@@ -162,6 +162,24 @@ RC_GTEST_PROP(AdaptPart, KeepsTheSurfaceWhenAsked, ()) {
   RC_ASSERT(differ(measure(before.mesh), measure(p.mesh), 1e-12) == "");
 }
 
+/// Where the surface may not follow the metric, there is always room for another point nearer to it.
+class KeptSurface : public ::testing::TestWithParam<double> {};
+TEST_P(KeptSurface, GetsNoFlatElements) {
+  SmoothMetric metric;
+  metric.size = {GetParam(), GetParam(), GetParam()};
+  for (const bool frozen : {false, true}) {
+    Part p = make_part({.n = 6, .perturb = 0.2}, metric);
+    p.options.surface = frozen;
+    for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
+      if (frozen && p.x(v).z == 0) p.mesh.vert_flags[v] |= kFrozen;
+    }
+    adapt_part(p);
+    ASSERT_EQ(judge(p), "");
+    EXPECT_GE(fit(p).worst, 0.1);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Sizes, KeptSurface, ::testing::Values(0.1, 0.07, 0.05, 0.04));
+
 RC_GTEST_PROP(AdaptPart, StaysOnCurvedPatches, ()) {
   MeshSpec spec;
   spec.shape = *rc::gen::element(Shape::kCylinder, Shape::kSphere);
