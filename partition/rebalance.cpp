@@ -237,7 +237,7 @@ bool diffuse(const Comm& comm, const ShellGraph& shell, double imbalance, Parts&
 
 IdVector<TetId, Rank> rebalance(const Comm& comm, const DistMesh& dist, std::span<const double> work,
                                 double imbalance) {
-  constexpr double kReach = 4;  // times the largest difference from the mean: what may have to flow through one rank
+  constexpr double kReach = 2;  // times the largest difference from the mean: what may have to flow through one rank
   const double mine = std::accumulate(work.begin(), work.end(), 0.0);
   const double mean = comm.sum(mine) / comm.size();
   const double off = comm.max(std::abs(mine - mean));
