@@ -52,31 +52,58 @@ void check_arrays(const DistMesh& dist, Fault& fault) {
 /// What one thread finds out about its tetrahedra.
 struct Adjacency {
   Fault fault;
-  std::vector<FaceId> open;    ///< faces without a local neighbour
-  std::uint64_t names = 0;     ///< sum over (face, its neighbour) ...
-  std::uint64_t named_by = 0;  ///< ... and over (neighbour, face)
+  std::vector<FaceId> open;     ///< faces without a local neighbour
+  std::uint64_t one_sided = 0;  ///< sum of pair_hash(face, its neighbour)
 };
 
+/// Antisymmetric in its arguments, and else as good as random. Short, as there are many.
 std::uint64_t pair_hash(FaceId f, FaceId g) noexcept {
-  return mix(mix(static_cast<std::uint64_t>(num(f))) ^ static_cast<std::uint64_t>(num(g)));
+  const auto scramble = [](std::uint64_t x) {
+    x *= 0x9e3779b97f4a7c15ULL;
+    return x ^ (x >> 32);
+  };
+  const auto a = static_cast<std::uint64_t>(num(f)), b = static_cast<std::uint64_t>(num(g));
+  return scramble(a) * (2 * b + 1) - scramble(b) * (2 * a + 1);
+}
+
+/// All faces of the tetrahedra [first, last) are inside and have neighbours that can be; adds to the sum if so.
+bool add_inner(const TetMesh& m, std::size_t first, std::size_t last, std::uint64_t& sum) {
+  const auto* face = m.tet2face.raw()[first].data();
+  const auto* tag = m.face_tag.raw()[first].data();
+  const std::size_t n = 4 * (last - first);
+  const auto end = static_cast<std::int32_t>(4 * m.tet_slots()), base = static_cast<std::int32_t>(4 * first);
+  std::int32_t odd = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t f = num(face[i]);
+    odd |= (f < 0 ? 1 : 0) | (f >= end ? 1 : 0) | (f == base + static_cast<std::int32_t>(i) ? 1 : 0) |
+           (is_hull(tag[i]) ? 1 : 0);
+  }
+  if (odd != 0) return false;
+  std::uint64_t of_these = 0;
+  for (std::size_t i = 0; i < n; ++i) of_these += pair_hash(FaceId{base + static_cast<std::int32_t>(i)}, face[i]);
+  sum += of_these;
+  return true;
 }
 
 /// Of the tetrahedra [first, last). Looks at no other ones: neighbours lie far from each other in memory.
 void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, Adjacency& out) {
+  constexpr std::size_t kAtOnce = 32;
   const TetMesh& m = dist.mesh;
-  for (const TetId t : IdRange<TetId>(first, last)) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      const FaceId f = m.tet2face[t][k], me = make_face(t, static_cast<int>(k));
+  for (std::size_t i = first; i < last; i += kAtOnce) {
+    const std::size_t end = std::min(last, i + kAtOnce);
+    if (add_inner(m, i, end, out.one_sided)) continue;
+    for (const FaceId me : IdRange<FaceId>(4 * i, 4 * end)) {
+      const auto k = static_cast<std::size_t>(face_side(me));
+      const FaceId f = m.tet2face[face_tet(me)][k];
       if (f == kNoFace) {
         out.open.push_back(me);
         continue;
       }
-      if (f == me || idx(face_tet(f)) >= m.tet_slots())
-        return out.fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(t), k);
-      if (is_hull(m.face_tag[t][k]))
-        return out.fault.tell("tetrahedron {}, face {}: a hull face has a neighbour", num(t), k);
-      out.names += pair_hash(me, f);
-      out.named_by += pair_hash(f, me);
+      if (f == me || num(f) < 0 || idx(face_tet(f)) >= m.tet_slots())
+        return out.fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(face_tet(me)), k);
+      if (is_hull(m.face_tag[face_tet(me)][k]))
+        return out.fault.tell("tetrahedron {}, face {}: a hull face has a neighbour", num(face_tet(me)), k);
+      out.one_sided += pair_hash(me, f);
     }
   }
 }
@@ -92,9 +119,9 @@ void find_one_sided(const TetMesh& m, Fault& fault) {
   }
 }
 
-/// Gives the faces without a local neighbour, ascending. Neighbours name each other when the pairs (face, neighbour)
-/// are, as a set, the pairs (neighbour, face). So sums of 64-bit hashes over both are compared; only where they differ
-/// is it found out which face it is.
+/// Gives the faces without a local neighbour, ascending. Where neighbours name each other, (face, neighbour) and
+/// (neighbour, face) cancel in a sum of antisymmetric hashes; only where that is not 0 is it found out which face it
+/// is.
 std::vector<FaceId> check_adjacency(const DistMesh& dist, int threads, Fault& fault) {
   std::vector<Adjacency> found(static_cast<std::size_t>(threads));
   const std::size_t n = dist.mesh.tet_slots();
@@ -107,7 +134,7 @@ std::vector<FaceId> check_adjacency(const DistMesh& dist, int threads, Fault& fa
   for (const Adjacency& a : found) {
     if (!a.fault.line().empty()) fault.tell("{}", a.fault.line());
     open.insert(open.end(), a.open.begin(), a.open.end());
-    one_sided += a.names - a.named_by;
+    one_sided += a.one_sided;
   }
   if (fault.line().empty() && one_sided != 0) find_one_sided(dist.mesh, fault);
   return open;
@@ -120,7 +147,8 @@ struct OuterFace {
   std::int32_t odd;
 };
 
-/// These faces without a local neighbour. Tells vertices without a number, and interface vertices that are not shared.
+/// Those of these faces without a local neighbour that other ranks may have. Tells vertices without a number, and
+/// interface vertices that are not shared.
 std::vector<OuterFace> outer_faces(const DistMesh& dist, const std::vector<FaceId>& open, Fault& fault) {
   const TetMesh& m = dist.mesh;
   IdVector<VertId, char> shared(m.vert_slots(), 0);
@@ -129,13 +157,13 @@ std::vector<OuterFace> outer_faces(const DistMesh& dist, const std::vector<FaceI
   for (const FaceId f : open) {
     const FaceTag tag = m.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))];
     const auto v = face_verts(m, f);
-    const FaceKey key = face_key(m, dist.vert2gid, f);
-    const bool hull = is_hull(tag);
-    if (key.gid[0] == kNoGlobal && hull) continue;  // new: nobody else can have it
+    const bool all_shared = (shared[v[0]] & shared[v[1]] & shared[v[2]]) != 0;
+    if (is_hull(tag) && !all_shared) continue;  // nobody else can have it, or check_lists finds a copy of its vertices
     for (const VertId w : v) {
-      if (hull || (shared[w] != 0 && dist.vert2gid[w] != kNoGlobal)) continue;
+      if (is_hull(tag) || (shared[w] != 0 && dist.vert2gid[w] != kNoGlobal)) continue;
       fault.tell("vertex {} (global id) is on an interface face but in no sharing list", num(dist.vert2gid[w]));
     }
+    const FaceKey key = face_key(m, dist.vert2gid, f);
     const std::uint64_t bits = fingerprint(dist, v[0]) + fingerprint(dist, v[1]) + fingerprint(dist, v[2]);
     faces.push_back({key.gid, bits, tag, key.odd ? 1 : 0});
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "mesh/adjacency.hpp"
+#include "mesh/surroundings.hpp"
 #include "partition/rendezvous.hpp"
 
 namespace skein {
@@ -84,11 +85,11 @@ Sharing find_sharing(const Comm& comm, const std::vector<VertId>& among, const I
 void rebuild_sharing(const Comm& comm, DistMesh& dist) {
   const TetMesh& m = dist.mesh;
   std::vector<FaceId> open;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+  visit_open_tets(m, [&](TetId t) {
     for (std::size_t k = 0; k < 4; ++k) {
       if (m.is_live(t) && m.tet2face[t][k] == kNoFace) open.push_back(make_face(t, static_cast<int>(k)));
     }
-  }
+  });
   rebuild_sharing(comm, dist, verts_of(m, open));
 }
 

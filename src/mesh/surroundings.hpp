@@ -1,12 +1,36 @@
 // Layers of tetrahedra and vertices round given vertices.
 #pragma once
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <utility>
 #include <vector>
 
 #include "mesh/tet_mesh.hpp"
 
 namespace skein {
+
+/// Calls visit(t) for the tetrahedra with a face without a neighbour, ascending; free places may be among them. They
+/// are few, so many tetrahedra at a time are asked whether any is one.
+template <class Visit>
+void visit_open_tets(const TetMesh& m, Visit&& visit) {
+  constexpr std::size_t kAtOnce = 32;
+  const std::size_t n = m.tet_slots();
+  for (std::size_t i = 0; i < n; i += kAtOnce) {
+    const std::size_t end = std::min(n, i + kAtOnce);
+    std::int32_t any = 0;  // negative: one of them is kNoFace
+    for (std::size_t j = i; j < end; ++j) {
+      const auto& f = m.tet2face.raw()[j];
+      any |= num(f[0]) | num(f[1]) | num(f[2]) | num(f[3]);
+    }
+    if (any >= 0) continue;
+    for (const TetId t : IdRange<TetId>(i, end)) {
+      const auto& f = m.tet2face[t];
+      if ((num(f[0]) | num(f[1]) | num(f[2]) | num(f[3])) < 0) visit(t);
+    }
+  }
+}
 
 /// What lies round some vertices, found from them over faces.
 class Surroundings {
@@ -22,12 +46,10 @@ class Surroundings {
   /// Adds all tetrahedra at the vertices, whether they hang together or not. Those that hang together at a vertex but
   /// not with its first tetrahedron have a face without a neighbour; so this looks at all faces, which is quick.
   void add_all_tets() {
-    for (const TetId t : IdRange<TetId>(m_.tet_slots())) {
-      const auto& f = m_.tet2face[t];
-      if (f[0] != kNoFace && f[1] != kNoFace && f[2] != kNoFace && f[3] != kNoFace) continue;
+    visit_open_tets(m_, [&](TetId t) {
       const auto& v = m_.tet2vert[t];
       if (v[0] != kNoVert && (seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
-    }
+    });
     add_tets();
   }
 
@@ -61,8 +83,17 @@ class Surroundings {
   [[nodiscard]] std::vector<TetId> tets() const {
     std::vector<TetId> out;
     out.reserve(tets_.size());
-    for (const TetId t : IdRange<TetId>(inside_.size())) {
-      if (inside_[t] != 0) out.push_back(t);
+    constexpr std::size_t kAtOnce = sizeof(std::uint64_t);  // most of them are not inside
+    const std::size_t n = inside_.size();
+    for (std::size_t i = 0; i < n; i += kAtOnce) {
+      if (i + kAtOnce <= n) {
+        std::uint64_t any = 0;
+        std::memcpy(&any, inside_.data() + i, sizeof any);
+        if (any == 0) continue;
+      }
+      for (const TetId t : IdRange<TetId>(i, std::min(n, i + kAtOnce))) {
+        if (inside_[t] != 0) out.push_back(t);
+      }
     }
     return out;
   }
