@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mesh/parallel.hpp"
 #include "partition/interface_faces.hpp"
 #include "partition/rendezvous.hpp"
 
@@ -13,6 +14,40 @@ namespace {
 
 /// All ranks' work adds up to about this: small enough that sums of it fit, fine enough for 10^10 tetrahedra.
 constexpr double kTotalWeight = 1LL << 52;
+
+/// Fills g.first and g.edge with n rows; append(begin, end, edge, ends) appends the rows [begin, end) to `edge` and
+/// puts what edge.size() is after each of them into `ends`. Every thread makes a piece of the rows, and the pieces are
+/// joined.
+template <class Append>
+void make_rows(Graph& g, std::size_t n, std::size_t expected_edges, int threads, const Append& append) {
+  g.first.resize(n + 1);
+  g.first[0] = 0;
+  const std::span<std::uint32_t> ends(g.first.data() + 1, n);
+  if (threads == 1) {
+    g.edge.reserve(expected_edges);
+    append(0, n, g.edge, ends);
+    return;
+  }
+  std::vector<std::vector<Edge>> piece(static_cast<std::size_t>(threads));
+  const auto share = [&](int w) { return std::pair(share_begin(n, w, threads), share_begin(n, w + 1, threads)); };
+  in_parallel(threads, [&](int w) {
+    const auto [begin, end] = share(w);
+    auto& mine = piece[static_cast<std::size_t>(w)];
+    mine.reserve(expected_edges / static_cast<std::size_t>(threads));
+    append(begin, end, mine, ends.subspan(begin, end - begin));
+  });
+  std::vector<std::size_t> start(piece.size() + 1, 0);
+  for (std::size_t w = 0; w < piece.size(); ++w) start[w + 1] = start[w] + piece[w].size();
+  grow_in_parallel(g.edge, start.back(), threads);
+  in_parallel(threads, [&](int w) {
+    const auto [begin, end] = share(w);
+    auto& mine = piece[static_cast<std::size_t>(w)];
+    const std::size_t at = start[static_cast<std::size_t>(w)];
+    std::copy(mine.begin(), mine.end(), g.edge.begin() + static_cast<std::ptrdiff_t>(at));
+    mine = {};
+    for (auto& e : ends.subspan(begin, end - begin)) e += static_cast<std::uint32_t>(at);
+  });
+}
 
 }  // namespace
 
@@ -49,7 +84,7 @@ Ghosts make_ghosts(const std::vector<std::pair<NodeId, RemoteNode>>& links) {
 }
 
 DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work,
-                     std::span<const std::int32_t> face_weight) {
+                     std::span<const std::int32_t> face_weight, int threads) {
   const TetMesh& m = dist.mesh;
   const std::size_t n = m.tet_slots();
   const auto faces = match_interface(comm, dist);
@@ -66,50 +101,51 @@ DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const dou
   out.ghosts = make_ghosts(links);
   Graph& g = out.graph;
   set_weights(comm, work, g);
-  g.first.reserve(n + 1);
-  g.edge.reserve(4 * n);
-  std::size_t i = 0;  // next interface face
-  for (const TetId t : IdRange<TetId>(n)) {
-    const auto add = [&](NodeId to, std::int32_t w) {  // two tetrahedra may share two faces
-      for (std::size_t e = g.first.back(); e < g.edge.size(); ++e) {
-        if (g.edge[e].to == to) return void(g.edge[e].weight += w);
-      }
-      g.edge.push_back({to, w});
-    };
-    for (int s = 0; s < 4; ++s) {
-      const FaceId f = make_face(t, s), o = m.tet2face[t][static_cast<std::size_t>(s)];
-      if (o != kNoFace) {
-        add(NodeId{num(face_tet(o))}, std::max(weight_at(f), weight_at(o)));
-      } else if (i < faces.size() && faces[i].mine == f) {
-        const auto at = std::lower_bound(out.ghosts.remote.begin(), out.ghosts.remote.end(), links[i].second);
-        add(to_id<NodeId>(n + static_cast<std::size_t>(at - out.ghosts.remote.begin())), std::max(mine[i], theirs[i]));
-        ++i;
-      }
-    }
-    g.first.push_back(static_cast<std::uint32_t>(g.edge.size()));
-  }
+  const auto& remote = out.ghosts.remote;
+  make_rows(g, n, 4 * n, threads_for(n, threads),
+            [&](std::size_t begin, std::size_t end, std::vector<Edge>& edge, std::span<std::uint32_t> ends) {
+              auto next = std::lower_bound(faces.begin(), faces.end(), make_face(to_id<TetId>(begin), 0),
+                                           [](const InterfaceFace& i, FaceId f) { return i.mine < f; });
+              for (const TetId t : IdRange<TetId>(begin, end)) {
+                const std::size_t row = edge.size();
+                const auto add = [&](NodeId to, std::int32_t w) {  // two tetrahedra may share two faces
+                  for (std::size_t e = row; e < edge.size(); ++e) {
+                    if (edge[e].to == to) return void(edge[e].weight += w);
+                  }
+                  edge.push_back({to, w});
+                };
+                for (int s = 0; s < 4; ++s) {
+                  const FaceId f = make_face(t, s), o = m.tet2face[t][static_cast<std::size_t>(s)];
+                  if (o != kNoFace) {
+                    add(NodeId{num(face_tet(o))}, std::max(weight_at(f), weight_at(o)));
+                  } else if (next != faces.end() && next->mine == f) {
+                    const auto i = static_cast<std::size_t>(next - faces.begin());
+                    const auto at = std::lower_bound(remote.begin(), remote.end(), links[i].second) - remote.begin();
+                    add(to_id<NodeId>(n + static_cast<std::size_t>(at)), std::max(mine[i], theirs[i]));
+                    ++next;
+                  }
+                }
+                ends[idx(t) - begin] = static_cast<std::uint32_t>(edge.size());
+              }
+            });
   return out;
 }
 
-Matching match_heavy_edges(const Graph& g, std::int64_t max_weight, std::uint64_t seed) {
-  const std::size_t n = g.nodes();
-  IdVector<NodeId, NodeId> mate(n, kNoNode);
-  std::vector<NodeId> order;
-  if (seed != 0) {
-    order.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {  // Fisher-Yates, inside out
-      const std::size_t j = mix(seed + i) % (i + 1);
-      order[i] = order[j];
-      order[j] = to_id<NodeId>(i);
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    const NodeId v = seed == 0 ? to_id<NodeId>(i) : order[i];
-    if (mate[v] != kNoNode) continue;
+namespace {
+
+/// Nodes in pairs: `mate` is kNoNode for who has not been asked yet, the node itself for who has found nobody.
+struct Pairing {
+  const Graph& g;
+  std::int64_t max_weight;
+  IdVector<NodeId, NodeId>& mate;
+
+  /// Gives v the best of the neighbours that may(neighbour).
+  template <class May>
+  void pair_up(NodeId v, const May& may) const {
     mate[v] = v;
     double best = 0;
     for (const Edge& e : g.edges(v)) {
-      if (idx(e.to) >= n || mate[e.to] != kNoNode || g.weight[v] + g.weight[e.to] > max_weight) continue;
+      if (idx(e.to) >= g.nodes() || !may(e.to) || g.weight[v] + g.weight[e.to] > max_weight) continue;
       const double w = e.weight;
       const double rating = w * w / static_cast<double>(g.weight[e.to] + 1);  // the weight of v is the same for all
       if (rating <= best) continue;
@@ -118,15 +154,70 @@ Matching match_heavy_edges(const Graph& g, std::int64_t max_weight, std::uint64_
     }
     mate[mate[v]] = v;
   }
+};
+
+/// Numbers the sets by their first nodes.
+Matching number_sets(const IdVector<NodeId, NodeId>& mate, int threads) {
+  const std::size_t n = mate.size();
   Matching out;
   out.node2set.resize(n);
-  for (const NodeId v : IdRange<NodeId>(n)) {
-    out.node2set[v] = mate[v] < v ? out.node2set[mate[v]] : to_id<NodeId>(out.sets++);
-  }
+  std::vector<std::size_t> start(static_cast<std::size_t>(threads) + 1, 0);
+  const auto share = [&](int w) { return IdRange<NodeId>(share_begin(n, w, threads), share_begin(n, w + 1, threads)); };
+  in_parallel(threads, [&](int w) {
+    std::size_t sets = 0;
+    for (const NodeId v : share(w)) sets += mate[v] < v ? 0 : 1;
+    start[static_cast<std::size_t>(w) + 1] = sets;
+  });
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  out.sets = start.back();
+  in_parallel(threads, [&](int w) {
+    std::size_t next = start[static_cast<std::size_t>(w)];
+    for (const NodeId v : share(w)) {
+      if (mate[v] >= v) out.node2set[v] = to_id<NodeId>(next++);
+    }
+  });
+  in_parallel(threads, [&](int w) {
+    for (const NodeId v : share(w)) {
+      if (mate[v] < v) out.node2set[v] = out.node2set[mate[v]];
+    }
+  });
   return out;
 }
 
-Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::size_t nodes, std::size_t ghosts) {
+}  // namespace
+
+Matching match_heavy_edges(const Graph& g, std::int64_t max_weight, std::uint64_t seed, int threads) {
+  const std::size_t n = g.nodes();
+  threads = seed == 0 ? threads_for(n, threads) : 1;
+  IdVector<NodeId, NodeId> mate(n, kNoNode);
+  const Pairing pairing{g, max_weight, mate};
+  if (seed != 0) {
+    std::vector<NodeId> order(n);
+    for (std::size_t i = 0; i < n; ++i) {  // Fisher-Yates, inside out
+      const std::size_t j = mix(seed + i) % (i + 1);
+      order[i] = order[j];
+      order[j] = to_id<NodeId>(i);
+    }
+    for (const NodeId v : order) {
+      if (mate[v] == kNoNode) pairing.pair_up(v, [&](NodeId to) { return mate[to] == kNoNode; });
+    }
+    return number_sets(mate, 1);
+  }
+  in_parallel(threads, [&](int w) {
+    const NodeId begin = to_id<NodeId>(share_begin(n, w, threads)), end = to_id<NodeId>(share_begin(n, w + 1, threads));
+    for (const NodeId v : IdRange<NodeId>(idx(begin), idx(end))) {
+      if (mate[v] != kNoNode) continue;
+      pairing.pair_up(v, [&](NodeId to) { return to >= begin && to < end && mate[to] == kNoNode; });
+    }
+  });
+  for (const NodeId v : IdRange<NodeId>(threads == 1 ? 0 : n)) {
+    if (mate[v] == v) pairing.pair_up(v, [&](NodeId to) { return mate[to] == to; });
+  }
+  return number_sets(mate, threads);
+}
+
+Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::size_t nodes, std::size_t ghosts,
+               int threads) {
   const std::size_t n = fine.nodes();
   // Members of each set, in rows.
   std::vector<std::uint32_t> member_first(nodes + 1, 0);
@@ -138,35 +229,38 @@ Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::s
     for (const NodeId v : IdRange<NodeId>(n)) member[next[idx(coarse[v])]++] = v;
   }
   Graph out;
-  out.first.reserve(nodes + 1);
-  out.edge.reserve(fine.edge.size() * 3 / 4);
-  out.weight.assign(nodes, 0);
-  IdVector<NodeId, std::uint32_t> place(nodes + ghosts, 0);  // of the edge to a node, plus 1, if in this row
-  std::vector<Edge> row;
-  for (std::size_t c = 0; c < nodes; ++c) {
-    const auto begin = static_cast<std::uint32_t>(out.edge.size());
-    std::size_t most = 0;
-    for (std::uint32_t i = member_first[c]; i < member_first[c + 1]; ++i) most += fine.edges(member[i]).size();
-    if (row.size() <= most) row.resize(2 * most + 1);
-    std::uint32_t used = 0;
-    std::int64_t weight = 0;
-    for (std::uint32_t i = member_first[c]; i < member_first[c + 1]; ++i) {
-      weight += fine.weight[member[i]];
-      for (const Edge& e : fine.edges(member[i])) {
-        const NodeId to = coarse[e.to];
-        if (idx(to) == c) continue;
-        const std::uint32_t at = place[to];  // whether it is new cannot be foreseen: no branch
-        const bool is_new = at <= begin;
-        Edge& sum = row[is_new ? used : at - begin - 1];
-        sum = {to, (is_new ? 0 : sum.weight) + e.weight};
-        used += is_new ? 1 : 0;
-        place[to] = is_new ? begin + used : at;
-      }
-    }
-    out.weight[to_id<NodeId>(c)] = weight;
-    out.edge.insert(out.edge.end(), row.begin(), row.begin() + used);
-    out.first.push_back(static_cast<std::uint32_t>(out.edge.size()));
-  }
+  out.weight.resize(nodes);
+  make_rows(out, nodes, fine.edge.size() * 3 / 4, threads_for(n, threads),
+            [&](std::size_t begin, std::size_t end, std::vector<Edge>& edge, std::span<std::uint32_t> ends) {
+              IdVector<NodeId, std::uint32_t> place(nodes + ghosts,
+                                                    0);  // of the edge to a node, plus 1, if in this row
+              std::vector<Edge> row;
+              for (std::size_t c = begin; c < end; ++c) {
+                const auto row_begin = static_cast<std::uint32_t>(edge.size());
+                std::size_t most = 0;
+                for (std::uint32_t i = member_first[c]; i < member_first[c + 1]; ++i)
+                  most += fine.edges(member[i]).size();
+                if (row.size() <= most) row.resize(2 * most + 1);
+                std::uint32_t used = 0;
+                std::int64_t weight = 0;
+                for (std::uint32_t i = member_first[c]; i < member_first[c + 1]; ++i) {
+                  weight += fine.weight[member[i]];
+                  for (const Edge& e : fine.edges(member[i])) {
+                    const NodeId to = coarse[e.to];
+                    if (idx(to) == c) continue;
+                    const std::uint32_t at = place[to];  // whether it is new cannot be foreseen: no branch
+                    const bool is_new = at <= row_begin;
+                    Edge& sum = row[is_new ? used : at - row_begin - 1];
+                    sum = {to, (is_new ? 0 : sum.weight) + e.weight};
+                    used += is_new ? 1 : 0;
+                    place[to] = is_new ? row_begin + used : at;
+                  }
+                }
+                out.weight[to_id<NodeId>(c)] = weight;
+                edge.insert(edge.end(), row.begin(), row.begin() + used);
+                ends[c - begin] = static_cast<std::uint32_t>(edge.size());
+              }
+            });
   return out;
 }
 

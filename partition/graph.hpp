@@ -72,22 +72,26 @@ void set_weights(const Comm& comm, std::span<const double> work, Graph& g);
 
 /// Collective. The dual graph. Edges weigh 1, or what face_weight says at FaceId (4 numbers >= 1 per tetrahedron, of
 /// the two sides of a face the larger one counts); node weights are `work` scaled to integers, so that sums are exact
-/// in any order. @pre work: one finite number >= 0 per tetrahedron; dist is compact.
+/// in any order. The same for any number of threads. @pre work: one finite number >= 0 per tetrahedron; dist is
+/// compact.
 DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work,
-                     std::span<const std::int32_t> face_weight = {});
+                     std::span<const std::int32_t> face_weight = {}, int threads = 1);
 
 /// The graph of nodes that are sets of another's nodes. `coarse` numbers the sets: one entry per own node and ghost,
-/// own sets first (0 .. nodes-1), then sets of ghosts. Edges inside a set vanish, parallel ones add up.
-Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::size_t nodes, std::size_t ghosts);
+/// own sets first (0 .. nodes-1), then sets of ghosts. Edges inside a set vanish, parallel ones add up. The same for
+/// any number of threads.
+Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::size_t nodes, std::size_t ghosts,
+               int threads = 1);
 
 /// Pairs of nodes with heavy edges and little weight (rating w^2 / (weight_u * weight_v)); no set heavier than
 /// max_weight. Result: the set of each own node; sets are in the order of their first node. Nodes choose in
-/// their order, or with a seed other than 0 in a random one.
+/// their order, or with a seed other than 0 in a random one. Each thread pairs the nodes of a share of its own; what is
+/// left single at the borders of shares is paired afterwards.
 struct Matching {
   IdVector<NodeId, NodeId> node2set;
   std::size_t sets = 0;
 };
-Matching match_heavy_edges(const Graph& graph, std::int64_t max_weight, std::uint64_t seed = 0);
+Matching match_heavy_edges(const Graph& graph, std::int64_t max_weight, std::uint64_t seed = 0, int threads = 1);
 
 /// The own nodes with `part[v] == which` and the edges between them; `inside` gets their numbers.
 Graph subgraph(const Graph& graph, const IdVector<NodeId, Rank>& part, Rank which, std::vector<NodeId>& inside);

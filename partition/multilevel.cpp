@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "mesh/parallel.hpp"
 #include "partition/graph.hpp"
 #include "partition/graph_pieces.hpp"
 #include "partition/multilevel_bisect.hpp"
@@ -69,43 +70,47 @@ void connect_coarse(const Graph& g, int parts, std::int64_t capacity, Cost cost,
 }
 
 /// The best of several cuts by bisection. With few parts they cost little, and luck in the first cuts counts more.
-Parts cut_coarse_graph(const Graph& g, int parts, std::int64_t capacity, std::uint64_t seed) {
-  Cost best;
-  Parts part;
-  const std::uint64_t trials = parts < 16 ? 3 : 1;
-  for (std::uint64_t i = 0; i < trials; ++i) {
-    Parts trial = bisect_recursively(g, parts, capacity, mix(seed * trials + i));
-    const Cost cost = refine_cut(g, parts, capacity, trial);
-    if (i > 0 && best <= cost) continue;
-    best = cost;
-    part = std::move(trial);
-  }
-  connect_coarse(g, parts, capacity, best, part);
-  return part;
+/// Threads take cuts of their own, or with one cut for many parts, halves of it; that changes nothing in what they
+/// find.
+Parts cut_coarse_graph(const Graph& g, int parts, std::int64_t capacity, std::uint64_t seed, int threads) {
+  const std::size_t trials = parts < 16 ? 3 : 1;
+  std::vector<Parts> trial(trials);
+  std::vector<Cost> cost(trials);
+  const int at_once = std::min(threads, static_cast<int>(trials));
+  in_parallel(at_once, [&](int w) {
+    for (auto i = static_cast<std::size_t>(w); i < trials; i += static_cast<std::size_t>(at_once)) {
+      trial[i] = bisect_recursively(g, parts, capacity, mix(seed * trials + i), threads / at_once);
+      cost[i] = refine_cut(g, parts, capacity, trial[i]);
+    }
+  });
+  const auto best = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  connect_coarse(g, parts, capacity, cost[best], trial[best]);
+  return std::move(trial[best]);
 }
 
 /// All levels of a graph without ghosts, and back.
-Parts cut_graph(const Graph& g, int parts, std::int64_t total, std::int64_t capacity, std::uint64_t seed) {
+Parts cut_graph(const Graph& g, int parts, std::int64_t total, std::int64_t capacity, std::uint64_t seed, int threads) {
   Parts part;
   Matching m;
   if (g.nodes() > coarse_nodes(parts)) m = match_heavy_edges(g, heaviest_node(total, parts));
   if (m.sets > 0 && m.sets * 20 < g.nodes() * 19) {
-    const Parts coarse = cut_graph(contract(g, m.node2set, m.sets, 0), parts, total, capacity, seed);
+    const Parts coarse = cut_graph(contract(g, m.node2set, m.sets, 0), parts, total, capacity, seed, threads);
     part.resize(g.nodes());
     for (const NodeId v : IdRange<NodeId>(g.nodes())) part[v] = coarse[m.node2set[v]];
   } else {
-    return cut_coarse_graph(g, parts, capacity, seed);
+    return cut_coarse_graph(g, parts, capacity, seed, threads);
   }
   refine_cut(g, parts, capacity, part);
   return part;
 }
 
 /// Collective. The next coarser level; false, and `fine` as it was, when no rank gets much smaller.
-bool coarsen(const Comm& comm, Level& fine, std::size_t target, std::int64_t max_weight, DistGraph& coarse) {
+bool coarsen(const Comm& comm, Level& fine, std::size_t target, std::int64_t max_weight, int threads,
+             DistGraph& coarse) {
   const Graph& g = fine.dist.graph;
   Matching m;
   if (g.nodes() > target) {
-    m = match_heavy_edges(g, max_weight);
+    m = match_heavy_edges(g, max_weight, 0, threads);
   } else {
     m.sets = g.nodes();
     m.node2set.resize(m.sets);
@@ -119,7 +124,7 @@ bool coarsen(const Comm& comm, Level& fine, std::size_t target, std::int64_t max
   std::vector<RemoteNode> behind(remote.size());
   for (std::size_t i = 0; i < remote.size(); ++i) behind[i] = {remote[i].rank, sets[i]};
   std::vector<std::pair<NodeId, RemoteNode>> links;
-  for (const NodeId v : IdRange<NodeId>(g.nodes())) {
+  for (const NodeId v : IdRange<NodeId>(remote.empty() ? 0 : g.nodes())) {
     for (const Edge& e : g.edges(v)) {
       if (idx(e.to) >= g.nodes()) links.emplace_back(m.node2set[v], behind[idx(e.to) - g.nodes()]);
     }
@@ -131,7 +136,7 @@ bool coarsen(const Comm& comm, Level& fine, std::size_t target, std::int64_t max
     const auto at = std::lower_bound(ghosts.begin(), ghosts.end(), r) - ghosts.begin();
     fine.node2coarse.push_back(to_id<NodeId>(m.sets + static_cast<std::size_t>(at)));
   }
-  coarse.graph = contract(g, fine.node2coarse, m.sets, ghosts.size());
+  coarse.graph = contract(g, fine.node2coarse, m.sets, ghosts.size(), threads);
   return true;
 }
 
@@ -163,10 +168,11 @@ Graph gather_graph(const Comm& comm, const DistGraph& d, std::size_t& first) {
 }
 
 /// Collective. The parts of the coarsest level: every rank cuts the whole of it, the best cut wins.
-Parts cut_coarsest(const Comm& comm, const DistGraph& d, int parts, std::int64_t total, std::int64_t capacity) {
+Parts cut_coarsest(const Comm& comm, const DistGraph& d, int parts, std::int64_t total, std::int64_t capacity,
+                   int threads) {
   std::size_t first = 0;
   const Graph all = gather_graph(comm, d, first);
-  Parts part = cut_graph(all, parts, total, capacity, static_cast<std::uint64_t>(num(comm.rank())));
+  Parts part = cut_graph(all, parts, total, capacity, static_cast<std::uint64_t>(num(comm.rank())), threads);
   std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
   for (const NodeId v : IdRange<NodeId>(all.nodes())) weight[idx(part[v])] += all.weight[v];
   Cost mine{0, cut_rows(all, part)};
@@ -233,7 +239,7 @@ void connect_parts(const Comm& comm, const DistGraph& d, int parts, const Capaci
 IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dist, std::span<const double> work,
                                            int parts, const MultilevelOptions& options) {
   std::vector<Level> levels(1);
-  levels[0].dist = dual_graph(comm, dist, work, options.face_weight);
+  levels[0].dist = dual_graph(comm, dist, work, options.face_weight, options.threads);
   const auto n = static_cast<std::int64_t>(dist.mesh.tet_slots());
   const Graph& g = levels[0].dist.graph;
   const std::int64_t total = comm.sum(std::accumulate(g.weight.begin(), g.weight.end(), std::int64_t{0}));
@@ -243,19 +249,19 @@ IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dis
   const auto target =
       static_cast<std::size_t>(static_cast<double>(coarse_nodes(parts)) * static_cast<double>(n) / all) + 1;
 
-  for (DistGraph coarse; coarsen(comm, levels.back(), target, heaviest_node(total, parts), coarse);) {
+  for (DistGraph coarse; coarsen(comm, levels.back(), target, heaviest_node(total, parts), options.threads, coarse);) {
     levels.emplace_back();
     levels.back().dist = std::move(coarse);
     coarse = DistGraph{};
   }
-  Parts part = cut_coarsest(comm, levels.back().dist, parts, total, capacity.search);
+  Parts part = cut_coarsest(comm, levels.back().dist, parts, total, capacity.search, options.threads);
   while (levels.size() > 1) {
     levels.pop_back();
     const Level& fine = levels.back();
     Parts finer(fine.dist.graph.nodes());
     for (const NodeId v : IdRange<NodeId>(finer.size())) finer[v] = part[fine.node2coarse[v]];
     part = std::move(finer);
-    refine_level(comm, fine.dist, parts, capacity.search, part);
+    refine_level(comm, fine.dist, parts, capacity.search, part, Refine::kAll, options.threads);
   }
   connect_parts(comm, levels[0].dist, parts, capacity, part);
   return IdVector<TetId, Rank>(std::move(part.raw()));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mesh/parallel.hpp"
 #include "partition/multilevel_refine.hpp"
 #include "partition/rendezvous.hpp"
 
@@ -104,8 +105,8 @@ class Recursion {
   Recursion(std::int64_t capacity, std::uint64_t seed, std::size_t nodes)
       : capacity_(capacity), seed_(seed), out_(nodes) {}
 
-  /// The nodes of g, `nodes` in the whole graph, go to parts first .. first + parts - 1.
-  void split(const Graph& g, const std::vector<NodeId>& nodes, int first, int parts) {
+  /// The nodes of g, `nodes` in the whole graph, go to parts first .. first + parts - 1. Threads take a half each.
+  void split(const Graph& g, const std::vector<NodeId>& nodes, int first, int parts, int threads) {
     if (parts == 1 || g.nodes() <= static_cast<std::size_t>(parts)) {
       for (std::size_t i = 0; i < nodes.size(); ++i)
         out_[nodes[i]] = Rank{first + (parts == 1 ? 0 : static_cast<int>(i))};
@@ -114,12 +115,16 @@ class Recursion {
     const std::array<int, 2> share{parts / 2, parts - parts / 2};
     const auto half = bisect(g, halves(g, share),
                              mix(seed_ ^ static_cast<std::uint64_t>(first) << 32) ^ static_cast<std::uint64_t>(parts));
-    for (int s = 0; s < 2; ++s) {
+    const auto go_on = [&](int s) {
       std::vector<NodeId> inside;
       const Graph sub = subgraph(g, half, Rank{s}, inside);
       for (NodeId& v : inside) v = nodes[idx(v)];
-      split(sub, inside, s == 0 ? first : first + share[0], share[static_cast<std::size_t>(s)]);
-    }
+      split(sub, inside, s == 0 ? first : first + share[0], share[static_cast<std::size_t>(s)], (threads + 1 - s) / 2);
+    };
+    const int at_once = threads > 1 ? 2 : 1;
+    in_parallel(at_once, [&](int w) {
+      for (int s = w; s < 2; s += at_once) go_on(s);
+    });
   }
   IdVector<NodeId, Rank> take() { return std::move(out_); }
 
@@ -146,11 +151,12 @@ class Recursion {
 
 }  // namespace
 
-IdVector<NodeId, Rank> bisect_recursively(const Graph& graph, int parts, std::int64_t capacity, std::uint64_t seed) {
+IdVector<NodeId, Rank> bisect_recursively(const Graph& graph, int parts, std::int64_t capacity, std::uint64_t seed,
+                                          int threads) {
   std::vector<NodeId> all(graph.nodes());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = to_id<NodeId>(i);
   Recursion r(capacity, seed, graph.nodes());
-  r.split(graph, all, 0, parts);
+  r.split(graph, all, 0, parts, threads);
   return r.take();
 }
 

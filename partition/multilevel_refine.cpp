@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "mesh/parallel.hpp"
+
 namespace skein {
 
 GainQueue::GainQueue(std::size_t nodes, Order order) : at_(nodes), head_(2 * kReach + 1, kNoNode), order_(order) {
@@ -60,7 +62,7 @@ GainQueue::Item GainQueue::pop() noexcept {
 }
 
 Refiner::Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<std::int64_t>& weight,
-                 std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed)
+                 std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed, int threads)
     : g_(graph),
       part_(part),
       weight_(weight),
@@ -69,7 +71,8 @@ Refiner::Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<s
       contact_(weight.size(), 0),
       touched_(weight.size() + 1),
       target_(graph.nodes()),
-      state_(graph.nodes(), kMaybeBoundary) {
+      state_(graph.nodes(), kMaybeBoundary),
+      boundary_of_(static_cast<std::size_t>(threads_for(graph.nodes(), threads))) {
   if (fixed == nullptr) return;
   for (const NodeId v : IdRange<NodeId>(graph.nodes())) state_[v] = (*fixed)[v] != 0 ? kFixed : kMaybeBoundary;
 }
@@ -109,17 +112,24 @@ bool Refiner::on_boundary(NodeId v) const noexcept {
 }
 
 void Refiner::find_boundary() {
-  boundary_.clear();
-  for (const NodeId v : IdRange<NodeId>(g_.nodes())) {
-    std::uint8_t& s = state_[v];
-    s &= static_cast<std::uint8_t>(~kLocked);
-    if ((s & kMaybeBoundary) == 0) continue;
-    if (on_boundary(v)) {
-      boundary_.push_back(v);
-    } else {
-      s = 0;
+  const int threads = static_cast<int>(boundary_of_.size());
+  in_parallel(threads, [&](int w) {
+    auto& found = boundary_of_[static_cast<std::size_t>(w)];
+    found.clear();
+    for (const NodeId v :
+         IdRange<NodeId>(share_begin(g_.nodes(), w, threads), share_begin(g_.nodes(), w + 1, threads))) {
+      std::uint8_t& s = state_[v];
+      s &= static_cast<std::uint8_t>(~kLocked);
+      if ((s & kMaybeBoundary) == 0) continue;
+      if (on_boundary(v)) {
+        found.push_back(v);
+      } else {
+        s = 0;
+      }
     }
-  }
+  });
+  boundary_.clear();
+  for (const auto& found : boundary_of_) boundary_.insert(boundary_.end(), found.begin(), found.end());
 }
 
 void Refiner::move(NodeId v, Rank to) noexcept {

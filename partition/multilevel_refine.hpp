@@ -41,9 +41,10 @@ class GainQueue {
 class Refiner {
  public:
   /// `part`: one per own node and ghost; changed in place. `weight`: of each part. `capacity`: a part may get heavier
-  /// only up to it. `fixed`: null, or nonzero for nodes that stay. References must outlive this object.
+  /// only up to it. `fixed`: null, or nonzero for nodes that stay. References must outlive this object. The boundary is
+  /// looked for by `threads`, which makes no difference to the result.
   Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<std::int64_t>& weight,
-          std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed = nullptr);
+          std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed = nullptr, int threads = 1);
 
   /// Takes nodes from parts beyond their capacity to neighbours that have room, cheapest first.
   void balance();
@@ -83,6 +84,7 @@ class Refiner {
   IdVector<NodeId, Target> target_;  ///< of the nodes in the queue
   IdVector<NodeId, std::uint8_t> state_;
   std::vector<NodeId> boundary_;
+  std::vector<std::vector<NodeId>> boundary_of_;  ///< the same, by thread
   struct Move {
     NodeId node;
     Rank from;

@@ -31,6 +31,7 @@ IdVector<NodeId, char> fixed_in_turn(const Comm& comm, const DistGraph& d, int t
   const std::uint64_t mine = priority(comm.rank());
   const Graph& g = d.graph;
   IdVector<NodeId, char> fixed(g.nodes(), 0);
+  if (d.ghosts.remote.empty()) return fixed;
   for (const NodeId v : IdRange<NodeId>(g.nodes())) {
     for (const Edge& e : g.edges(v)) {
       if (idx(e.to) < g.nodes()) continue;
@@ -62,7 +63,8 @@ Shares share_room(const Comm& comm, const DistGraph& d, const Parts& part, int p
 
 }  // namespace
 
-void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, Parts& part, Refine what) {
+void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, Parts& part, Refine what,
+                  int threads) {
   const std::size_t n = d.graph.nodes();
   part.resize(n + d.ghosts.remote.size());
   const int turns = comm.size() == 1 ? 1 : 2;
@@ -71,7 +73,7 @@ void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t 
     for (std::size_t i = 0; i < ghosts.size(); ++i) part[to_id<NodeId>(n + i)] = ghosts[i];
     const auto fixed = fixed_in_turn(comm, d, turn);
     Shares s = share_room(comm, d, part, parts, capacity);
-    Refiner refiner(d.graph, part, s.weight, s.capacity, &fixed);
+    Refiner refiner(d.graph, part, s.weight, s.capacity, &fixed, threads);
     if (what == Refine::kBalanceOnly) {
       refiner.balance();
     } else if (turn == 0) {

@@ -13,12 +13,12 @@
 namespace skein {
 
 IdVector<TetId, Rank> partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work, int parts,
-                                PartitionMethod method) {
+                                PartitionMethod method, int threads) {
   switch (method) {
     case PartitionMethod::kHilbert:
       return hilbert_partition(comm, dist, tet_work, parts);
     case PartitionMethod::kMultilevel:
-      return multilevel_partition(comm, dist, tet_work, parts);
+      return multilevel_partition(comm, dist, tet_work, parts, {.threads = threads});
   }
   return {};
 }

@@ -13,9 +13,9 @@ namespace skein {
 enum class PartitionMethod { kHilbert, kMultilevel };
 
 /// Collective. The part, in [0, parts), of each local tetrahedron, so that all parts have nearly equal work.
-/// @pre tet_work: one number >= 0 per local tetrahedron.
+/// `threads`: in each rank, for what can be threaded. @pre tet_work: one number >= 0 per local tetrahedron.
 IdVector<TetId, Rank> partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work, int parts,
-                                PartitionMethod method = PartitionMethod::kHilbert);
+                                PartitionMethod method = PartitionMethod::kHilbert, int threads = 1);
 
 /// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M), the
 /// log-metric being the first 6 data numbers. 1 when data.width < 6.

@@ -123,6 +123,7 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& 
   MultilevelOptions options;
   options.face_weight = cost;
   options.imbalance = kWorkImbalance;
+  options.threads = local.threads;
   migrate(comm, dist, multilevel_partition(comm, dist, work, parts, options));
   if (parts > 1) refine_rank_interface(comm, dist, local);
 }

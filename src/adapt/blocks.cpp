@@ -81,6 +81,7 @@ BlockLabels cut_blocks(TetMesh& m, const MetricField& metric, int blocks) {
   MultilevelOptions options;
   options.face_weight = cost;
   options.imbalance = kImbalance;
+  options.threads = blocks;
   const auto part = [&] {
     const WithoutOthers guard(alone.mesh);
     return multilevel_partition(Comm::self(), alone, work, blocks, options);

@@ -1,5 +1,6 @@
 // Work for a few threads at once.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <exception>
 #include <thread>
@@ -33,6 +34,12 @@ void in_parallel(int threads, Work&& work) {
 /// Where share w of n items begins when `threads` threads have as many each; share_begin(n, threads, threads) is n.
 constexpr std::size_t share_begin(std::size_t n, int w, int threads) noexcept {
   return n * static_cast<std::size_t>(w) / static_cast<std::size_t>(threads);
+}
+
+/// How many of these threads are worth starting for n short loops.
+constexpr int threads_for(std::size_t n, int threads) noexcept {
+  constexpr std::size_t kEnough = 8192;  // about what starting a thread takes
+  return n / kEnough >= static_cast<std::size_t>(threads) ? threads : std::max(1, static_cast<int>(n / kEnough));
 }
 
 /// Grows v to n items. A page of memory costs more when it is touched for the first time than when it is filled, so the

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -64,6 +65,47 @@ TEST(Multilevel, SameInputSameParts) {
   const Comm& comm = world();
   const DistMesh dist = distribute(comm, slices(comm, cube(8)));
   EXPECT_EQ(multilevel_partition(comm, dist, ones(dist), 6), multilevel_partition(comm, dist, ones(dist), 6));
+}
+
+bool same_graph(const Graph& a, const Graph& b) {
+  const auto same_edge = [](const Edge& x, const Edge& y) { return x.to == y.to && x.weight == y.weight; };
+  return a.first == b.first && a.weight == b.weight && std::ranges::equal(a.edge, b.edge, same_edge);
+}
+
+/// Threads start to work at 8192 nodes each.
+TEST(Multilevel, ThreadsMakeTheSameGraphsAndAsGoodParts) {
+  const Comm& comm = world();
+  const DistMesh dist = distribute(comm, slices(comm, cube(16 + 4 * comm.size())));
+  const auto work = ones(dist);
+  const DistGraph alone = dual_graph(comm, dist, work, {}, 1), shared = dual_graph(comm, dist, work, {}, 3);
+  EXPECT_TRUE(same_graph(alone.graph, shared.graph));
+  const std::int64_t light = 3 * alone.graph.weight.raw().front();
+  const Matching m = match_heavy_edges(alone.graph, light, 0, 3);
+  const std::size_t n = alone.graph.nodes();
+  ASSERT_GE(n, 2u * 8192);
+  EXPECT_LE(m.sets, match_heavy_edges(alone.graph, light).sets + n / 50);
+  std::vector<std::vector<NodeId>> members(m.sets);
+  for (const NodeId v : IdRange<NodeId>(n)) members.at(idx(m.node2set[v])).push_back(v);
+  for (const auto& set : members) {
+    ASSERT_TRUE(set.size() == 1 || set.size() == 2);
+    const auto row = alone.graph.edges(set.front());
+    EXPECT_TRUE(std::ranges::any_of(row, [&](const Edge& e) { return set.size() == 1 || e.to == set.back(); }));
+  }
+  const std::size_t ghosts = alone.ghosts.remote.size();
+  auto coarse = m.node2set;
+  for (std::size_t g = 0; g < ghosts; ++g) coarse.push_back(to_id<NodeId>(m.sets + g));
+  EXPECT_TRUE(
+      same_graph(contract(alone.graph, coarse, m.sets, ghosts, 1), contract(alone.graph, coarse, m.sets, ghosts, 3)));
+  for (const int parts : {3, 20}) {
+    const MultilevelOptions one{.threads = 1}, three{.threads = 3};
+    const auto part = multilevel_partition(comm, dist, work, parts, three);
+    EXPECT_EQ(part, multilevel_partition(comm, dist, work, parts, three));
+    const auto stats = partition_stats(comm, dist, part, work, parts);
+    EXPECT_LE(stats.imbalance, 0.03 + 1e-6);
+    EXPECT_EQ(stats.components, parts);
+    const auto of_one = partition_stats(comm, dist, multilevel_partition(comm, dist, work, parts, one), work, parts);
+    EXPECT_LE(static_cast<double>(stats.cut_faces), 1.1 * static_cast<double>(of_one.cut_faces));
+  }
 }
 
 TEST(Multilevel, NoWorkCountsAsEqualWork) {
