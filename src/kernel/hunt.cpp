@@ -1,6 +1,8 @@
 // Work on single elements and edges.
 #include "kernel/hunt.hpp"
 
+#include <algorithm>
+
 namespace skein {
 namespace {
 
@@ -35,13 +37,14 @@ template <class Work>
 void Hunter::sweep(double target, int most, Work&& work) {
   const auto limit = static_cast<float>(cube(target));
   const bool careful = part_->careful;
-  if (careful) {
-    for (auto& d : part_->dirty) d |= kHunt;
-  }
   for (int turn = 0; turn < most; ++turn) {
     bool any = false;
     part_->refused.assign(part_->mesh.tet_slots(), 0);
-    if (careful) note_changes();
+    if (careful && turn > 0) note_changes();
+    if (careful && turn == 0) {
+      for (auto& d : part_->dirty) d = static_cast<std::uint8_t>(d & ~kHunt);
+      state_.assign(part_->mesh.vert_slots(), kChanged | kToMove);
+    }
     for (std::size_t i = 0; i < part_->mesh.tet_slots(); ++i) {
       const auto t = to_id<TetId>(i);
       if (part_->q3[t] >= limit || !part_->mesh.is_live(t) || !part_->active(t)) continue;
@@ -114,6 +117,46 @@ void Hunter::judge_carefully(bool careful) {
   part_->careful = careful;
   for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
     if (part_->mesh.is_live(t)) part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
+  }
+}
+
+bool Hunter::judge_few_carefully(double quality) {
+  const auto limit = static_cast<float>(cube(quality));
+  state_.assign(part_->mesh.vert_slots(), 0);
+  few_.clear();
+  const auto take = [&](TetId t) {
+    if ((part_->dirty[t] & kHunt) != 0) return;
+    part_->dirty[t] = kHunt;
+    few_.push_back(t);
+  };
+  std::fill(part_->dirty.begin(), part_->dirty.end(), std::uint8_t{0});
+  for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
+    if (part_->q3[t] >= limit || !part_->mesh.is_live(t) || !part_->active(t)) continue;
+    take(t);
+    for (const VertId v : part_->mesh.tet2vert[t]) {
+      ball_.clear();
+      if (state_[v] != 0 || !gather_ball(*part_, v, ball_)) continue;
+      state_[v] = kChanged;
+      for (const TetId near : ball_) take(near);
+    }
+  }
+  if (few_.empty()) return false;
+  part_->careful = true;
+  for (const TetId t : few_) {
+    part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
+    part_->dirty[t] = 0;
+  }
+  return true;
+}
+
+void Hunter::leave_few() {
+  part_->careful = false;
+  const auto judge = [&](TetId t) {
+    if (part_->mesh.is_live(t)) part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
+  };
+  for (const TetId t : few_) judge(t);
+  for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
+    if (part_->dirty[t] != 0) judge(t);
   }
 }
 

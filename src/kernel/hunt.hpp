@@ -25,6 +25,11 @@ class Hunter {
   void relax();
   /// From now on elements are judged carefully, or no longer.
   void judge_carefully(bool careful);
+  /// The same for few: judges carefully those that touch an element below `quality`, and all that will be made, and
+  /// clears Part::dirty, to tell what changes from now on. Does nothing and returns false where no element is below
+  /// `quality`, else leave_few() must end it.
+  bool judge_few_carefully(double quality);
+  void leave_few();
 
  private:
   /// Calls work(t) for the elements below target, in up to `most` sweeps, until none returns true.
@@ -47,6 +52,7 @@ class Hunter {
   Shell shell_;
   enum : std::uint8_t { kChanged = 1, kToMove = 2 };
   IdVector<VertId, std::uint8_t> state_;  ///< of the vertices in this sweep
+  std::vector<TetId> few_, ball_;
 };
 
 }  // namespace skein

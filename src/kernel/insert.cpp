@@ -9,6 +9,7 @@ constexpr int kShrinkTurns = 4;
 /// Q^3 of a tetrahedron on a face that stays, below which no new point presses it further: on a face that is longer
 /// than the metric asks for, there would always be room for one more, nearer to it.
 constexpr double kKeptFloor = 0.3 * 0.3 * 0.3;
+constexpr double kStrictFloor = 0.1 * 0.1 * 0.1;  ///< Q^3 that no point may go below, with set_strict
 
 /// Edge bits of a tetrahedron -> those of its face's edges in a new tetrahedron (p, v0, v1, v2) on that face.
 constexpr auto kBaseEdges = [] {
@@ -212,7 +213,8 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
   if (too_close(p, min_length)) return InsertResult::kTooClose;
   grow(p);
   constexpr double kGood = 0.2 * 0.2 * 0.2;
-  const double floor_q3 = std::max(1e-15, std::min(kGood, (strict_ ? 1 : 0.125) * seed_min));
+  double floor_q3 = std::max(1e-15, std::min(kGood, 0.125 * seed_min));
+  if (strict_) floor_q3 = std::max(floor_q3, std::min(kStrictFloor, seed_min));
   if (!shrink_and_cone(p, seeds, floor_q3) || !keeps_vertices()) {
     auto& old = cavity_->old_tets();
     if (old.size() == seeds) return InsertResult::kRefused;

@@ -24,8 +24,8 @@ class Inserter {
   /// A point inside tetrahedron t (its barycentric weights positive), not nearer than `exclusion` (metric length) to
   /// any vertex of the cavity.
   InsertResult inside(TetId t, const std::array<double, 4>& weight, double exclusion);
-  /// From now on no point may leave a bad element that is worse than the worst of those it replaces; otherwise it may
-  /// have half their quality, as more points will follow.
+  /// From now on no point may leave an element below 0.1 that is worse than the worst of those it replaces; otherwise
+  /// it may always have half their quality, as more points will follow.
   void set_strict(bool strict) noexcept { strict_ = strict; }
   /// Of the edge that was tried last; cut off where it was too large.
   [[nodiscard]] const Shell& shell() const noexcept { return shell_; }

@@ -67,7 +67,8 @@ class Passes {
     double longest, shortest;  ///< edges beyond are hunted
     double max_new, min_new;   ///< looser than in the passes: bounds on what is made in their place
   };
-  void hunt_lengths(const LengthHunt& hunt);
+  /// `only_new`: in elements that are dirty.
+  void hunt_lengths(const LengthHunt& hunt, bool only_new = false);
   /// Share of the elements that are below this quality.
   [[nodiscard]] double share_below(double quality) const;
   /// Share of the edges, as the tetrahedra meet them, that are too long or too short.
@@ -286,7 +287,7 @@ std::int64_t Passes::smooth_below(double quality) {
   return part_.counts.smooth - before;
 }
 
-void Passes::hunt_lengths(const LengthHunt& hunt) {
+void Passes::hunt_lengths(const LengthHunt& hunt, bool only_new) {
   const KernelOptions strict = part_.options;
   part_.options.length_min_new = hunt.min_new;
   insert_.set_strict(true);
@@ -297,6 +298,7 @@ void Passes::hunt_lengths(const LengthHunt& hunt) {
     for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
       const auto t = to_id<TetId>(i);
       if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) continue;
+      if (only_new && part_.dirty[t] == 0) continue;
       if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
       if (split_in(t, hunt.longest, true) || collapse_in(t, hunt.shortest, hunt.max_new, kFloor)) ++done;
     }
@@ -463,13 +465,14 @@ void hunt_carefully(Passes& pass, Care care, bool settled) {
 }
 /// What is left between what must stay.
 void hunt_bad(Passes& pass) {
-  constexpr double kFloorOfBad = 0.15;
+  constexpr double kFloorOfBad = 0.15, kPerhapsBad = 0.3;
   Hunter& hunt = pass.hunt();
-  hunt.judge_carefully(true);
+  if (!hunt.judge_few_carefully(kPerhapsBad)) return;
   hunt.lighten(kBad, kFloorOfBad);
   hunt.worst(kBad);
-  pass.hunt_lengths(kVeryFar);
-  hunt.judge_carefully(false);
+  pass.hunt_lengths(kVeryFar, true);
+  hunt.worst(kBad);
+  hunt.leave_few();
 }
 }  // namespace
 
@@ -485,7 +488,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
     hunt_carefully(pass, care, settled);
   } else {
     hunt(pass, care);
-    if (part.options.only_held || pass.share_below(kBad) > 0) hunt_bad(pass);
+    hunt_bad(pass);
   }
   part.anchors = {};
   pass.count_poor(kPoor);

@@ -13,8 +13,19 @@ namespace skein {
 struct alignas(64) VertMetric {
   SymTensor m;          ///< 1/length^2
   double sqrt_det = 1;  ///< 1/length^3
+  double rank = 1;      ///< who has the largest determinant is told by this; see rank_of
 };
-inline VertMetric vert_metric(const SymTensor& m) noexcept { return {m, std::sqrt(std::max(0.0, det(m)))}; }
+/// sqrt_det, changed by so little that it is of no account, but so that different metrics of the same determinant are
+/// in an order: which of them an element takes must not hang on the order of its vertices.
+inline double rank_of(const SymTensor& m, double sqrt_det) noexcept {
+  constexpr double kLittle = 1e-10;
+  const double turned = m.xx + 0.618 * m.yy + 1.7 * m.xy + 2.3 * m.xz + 2.9 * m.yz;  // of no symmetry
+  return sqrt_det * (1 + kLittle * turned / (m.xx + m.yy + m.zz));
+}
+inline VertMetric vert_metric(const SymTensor& m) noexcept {
+  const double sqrt_det = std::sqrt(std::max(0.0, det(m)));
+  return {m, sqrt_det, rank_of(m, sqrt_det)};
+}
 
 /// Length of an edge from the lengths la, lb of its vector in the metrics of both ends: the logarithmic mean
 /// (la - lb)/log(la/lb), by the series of 2 atanh(r), r = (la - lb)/(la + lb); relative error below 1e-4 up to a ratio
@@ -36,9 +47,9 @@ inline double edge_length(const SymTensor& a, const SymTensor& b, Vec3 e) noexce
 /// The cube needs no root; 1 for the unit tetrahedron, negative when it is inverted.
 inline double quality_cubed(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const VertMetric& m0, const VertMetric& m1,
                             const VertMetric& m2, const VertMetric& m3) noexcept {
-  const VertMetric& p = m0.sqrt_det >= m1.sqrt_det ? m0 : m1;
-  const VertMetric& q = m2.sqrt_det >= m3.sqrt_det ? m2 : m3;
-  const VertMetric& m = p.sqrt_det >= q.sqrt_det ? p : q;
+  const VertMetric& p = m0.rank >= m1.rank ? m0 : m1;
+  const VertMetric& q = m2.rank >= m3.rank ? m2 : m3;
+  const VertMetric& m = p.rank >= q.rank ? p : q;
   const Vec3 a = x1 - x0, b = x2 - x0, c = x3 - x0;
   const double v = dot(cross(a, b), c) * (1.0 / 6) * m.sqrt_det;
   // The sum over the six edges of points 0, a, b, c is 4 (a'Ma + b'Mb + c'Mc) - (a+b+c)'M(a+b+c).

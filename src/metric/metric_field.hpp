@@ -9,7 +9,9 @@ namespace skein {
 /// exp(log_m) with sqrt(det) = exp(trace/2): exact for any anisotropy, where the determinant of a tensor turned against
 /// the axes loses all digits from about 10^4 on.
 inline VertMetric vert_metric_from_log(const SymTensor& log_m) noexcept {
-  return {exp(log_m), std::exp(0.5 * (log_m.xx + log_m.yy + log_m.zz))};
+  const SymTensor m = exp(log_m);
+  const double sqrt_det = std::exp(0.5 * (log_m.xx + log_m.yy + log_m.zz));
+  return {m, sqrt_det, rank_of(m, sqrt_det)};
 }
 
 /// The metric at every vertex, twice: as it measures (with determinant) and as it is interpolated (log-Euclidean).

@@ -141,7 +141,7 @@ void gather(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, TetId 
   for (std::size_t k = 1; k < 4; ++k) {
     const VertMetric& a = (*metric)[v[k]];
     sum += a.sqrt_det;
-    if (a.sqrt_det > strictest->sqrt_det) strictest = &a;
+    if (a.rank > strictest->rank) strictest = &a;
   }
   const SymTensor& s = strictest->m;
   b.metric[0][l] = s.xx, b.metric[1][l] = s.xy, b.metric[2][l] = s.yy;

@@ -71,6 +71,22 @@ RC_GTEST_PROP(MetricField, KnowsTheDeterminantAtAnyAnisotropy, (std::uint32_t se
   RC_ASSERT(std::abs(vert_metric_from_log(compose(e)).sqrt_det - exact) <= 1e-13 * exact);
 }
 
+/// Metrics of one determinant that are turned against each other: which of them counts is the same in any order.
+TEST(Quality, DoesNotHangOnTheOrderOfEquallyStrictMetrics) {
+  const auto turned = [](double xy, double xz) {
+    VertMetric m = vert_metric({5, xy, 5, xz, 0, 4});
+    m.sqrt_det = 3;
+    m.rank = rank_of(m.m, 3);
+    return m;
+  };
+  const std::array<VertMetric, 4> m{turned(2, 1), turned(-2, 1), turned(2, -1), turned(-2, -1)};
+  const auto at = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
+    return quality_cubed(kUnit[i], kUnit[j], kUnit[k], kUnit[l], m[i], m[j], m[k], m[l]);
+  };
+  for (const auto& o : {std::array<std::size_t, 4>{1, 2, 0, 3}, {0, 2, 3, 1}, {3, 2, 1, 0}, {1, 0, 3, 2}})
+    EXPECT_NEAR(at(o[0], o[1], o[2], o[3]), at(0, 1, 2, 3), 1e-12);
+}
+
 RC_GTEST_PROP(Quality, IsAtMostOneAndFollowsTheStrictestMetric, (std::uint32_t seed)) {
   std::mt19937 random(seed);
   std::normal_distribution<double> any;
