@@ -6,6 +6,7 @@
 #include "app/large_blocks.hpp"
 
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#include <malloc.h>
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -180,6 +181,13 @@ void release(void* p) noexcept {
 void use_large_blocks() noexcept {
   const char* const choice = std::getenv("SKEIN_LARGE_PAGES");
   wanted = choice == nullptr || choice[0] != '0';
+#if defined(__GLIBC__)
+  // Set at all, these stay as they are; otherwise they rise with each block that is freed, and so does what stays in
+  // the heap. Its own environment variables come first.
+  constexpr int kKept = 128 << 10;
+  if (std::getenv("MALLOC_TRIM_THRESHOLD_") == nullptr) mallopt(M_TRIM_THRESHOLD, kKept);
+  if (std::getenv("MALLOC_MMAP_THRESHOLD_") == nullptr) mallopt(M_MMAP_THRESHOLD, kKept);
+#endif
 }
 
 }  // namespace skein::app
