@@ -118,7 +118,7 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& 
   std::vector<std::int32_t> cost;
   agree(comm, [&] {
     work = predicted_work(dist);
-    cost = face_costs(dist.mesh, metric_from_data(dist));
+    cost = face_costs(dist.mesh, metric_from_data(dist), local.threads);
   });
   MultilevelOptions options;
   options.face_weight = cost;

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "kernel/interface.hpp"
+#include "mesh/parallel.hpp"
 #include "partition/multilevel.hpp"
 #include "partition/partition.hpp"
 
@@ -40,26 +41,30 @@ class WithoutOthers {
 
 }  // namespace
 
-std::vector<std::int32_t> face_costs(const TetMesh& m, const MetricField& metric) {
+std::vector<std::int32_t> face_costs(const TetMesh& m, const MetricField& metric, int threads) {
   std::vector<std::int32_t> cost(4 * m.tet_slots(), 1);
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int f = 0; f < 4; ++f) {
-      const auto v = face_verts(m, make_face(t, f));
-      const Vec3 a = m.coords[v[1]] - m.coords[v[0]], b = m.coords[v[2]] - m.coords[v[0]];
-      double area = 0;
-      for (const VertId w : v) {
-        const SymTensor& g = metric.at[w].m;
-        const double ab = dot(a, mul(g, b));
-        area += std::sqrt(std::max(0.0, quad(g, a) * quad(g, b) - ab * ab)) / 6;
-      }
-      cost[idx(make_face(t, f))] = static_cast<std::int32_t>(std::clamp(2 * area, 1.0, 1000.0));
+  const auto of_face = [&](FaceId f) {
+    const auto v = face_verts(m, f);
+    const Vec3 a = m.coords[v[1]] - m.coords[v[0]], b = m.coords[v[2]] - m.coords[v[0]];
+    double area = 0;
+    for (const VertId w : v) {
+      const SymTensor& g = metric.at[w].m;
+      const double ab = dot(a, mul(g, b));
+      area += std::sqrt(std::max(0.0, quad(g, a) * quad(g, b) - ab * ab)) / 6;
     }
-  }
+    return static_cast<std::int32_t>(std::clamp(2 * area, 1.0, 1000.0));
+  };
+  threads = threads_for(cost.size(), threads);
+  in_parallel(threads, [&](int w) {
+    for (const FaceId f :
+         IdRange<FaceId>(share_begin(cost.size(), w, threads), share_begin(cost.size(), w + 1, threads)))
+      cost[idx(f)] = of_face(f);
+  });
   return cost;
 }
 
 BlockLabels cut_blocks(TetMesh& m, const MetricField& metric, int blocks) {
-  const auto cost = face_costs(m, metric);
+  const auto cost = face_costs(m, metric, blocks);
   // The partitioner wants a rank's mesh: it is lent to one that has no others beside it.
   DistMesh alone;
   alone.data.width = 6;

@@ -12,7 +12,7 @@ using BlockLabels = IdVector<TetId, std::int32_t>;
 
 /// What cutting each face (FaceId) costs: its area in the metric, i.e. about how many faces of the final mesh it stands
 /// for; 1 to 1000.
-std::vector<std::int32_t> face_costs(const TetMesh& mesh, const MetricField& metric);
+std::vector<std::int32_t> face_costs(const TetMesh& mesh, const MetricField& metric, int threads = 1);
 
 /// The block of each tetrahedron: compact blocks of equal predicted work with small interfaces in the final mesh, from
 /// the multilevel partitioner. Needs MPI, but no other rank. @pre no free slots. The mesh stays as it is.

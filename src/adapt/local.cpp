@@ -118,12 +118,12 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   const std::size_t old_verts = mesh.vert_slots();
   const bool coarse = std::find(refined.begin(), refined.end(), 0) != refined.end();  // all or none
   if (coarse) in_parallel(o.threads, [&](int b) { of(blocks, b) = cut_block(mesh, metric, label, between, b); });
-  // The others are put behind the first in the end.
-  reserve(blocks.front().part, static_cast<std::size_t>(expected_points(mesh, metric)));
+  const auto points = static_cast<std::size_t>(expected_points(mesh, metric));
   mesh = TetMesh{};
   metric = MetricField{};
   in_parallel(o.threads, [&](int b) {
     Block& block = of(blocks, b);
+    if (b == 0) reserve(block.part, points);  // the others are put behind the first in the end
     seal_block(block, run(block.part, o));
   });
   for (const Block& b : blocks) {
