@@ -9,7 +9,7 @@ constexpr int kShrinkTurns = 4;
 /// Q^3 of a tetrahedron on a face that stays, below which no new point presses it further: on a face that is longer
 /// than the metric asks for, there would always be room for one more, nearer to it.
 constexpr double kKeptFloor = 0.3 * 0.3 * 0.3;
-constexpr double kStrictFloor = 0.1 * 0.1 * 0.1;  ///< Q^3 that no point may go below, with set_strict
+constexpr double kStrictFloor = 0.05 * 0.05 * 0.05;  ///< Q^3 that no point may go below, with set_strict
 
 /// Edge bits of a tetrahedron -> those of its face's edges in a new tetrahedron (p, v0, v1, v2) on that face.
 constexpr auto kBaseEdges = [] {

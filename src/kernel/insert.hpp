@@ -24,7 +24,7 @@ class Inserter {
   /// A point inside tetrahedron t (its barycentric weights positive), not nearer than `exclusion` (metric length) to
   /// any vertex of the cavity.
   InsertResult inside(TetId t, const std::array<double, 4>& weight, double exclusion);
-  /// From now on no point may leave an element below 0.1 that is worse than the worst of those it replaces; otherwise
+  /// From now on no point may leave an element below 0.05 that is worse than the worst of those it replaces; otherwise
   /// it may always have half their quality, as more points will follow.
   void set_strict(bool strict) noexcept { strict_ = strict; }
   /// Of the edge that was tried last; cut off where it was too large.

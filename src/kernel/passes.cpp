@@ -470,8 +470,10 @@ void hunt_bad(Passes& pass) {
   if (!hunt.judge_few_carefully(kPerhapsBad)) return;
   hunt.lighten(kBad, kFloorOfBad);
   hunt.worst(kBad);
-  pass.hunt_lengths(kVeryFar, true);
-  hunt.worst(kBad);
+  for (int i = 0; i < 2; ++i) {
+    pass.hunt_lengths(kVeryFar, true);
+    hunt.worst(kBad);
+  }
   hunt.leave_few();
 }
 }  // namespace
