@@ -158,7 +158,7 @@ void collapse_op(benchmark::State& state) {
     const auto& e = kEdgeVerts[extreme_edge(p, t, -1, l)];
     const auto v = p.mesh.tet2vert[t];
     if (l >= p.options.collapse_below) return;
-    tally.add(op.collapse.collapse(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])],
+    tally.add(op.collapse.collapse(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])], t,
                                    p.options.split_above, 0.3 * 0.3 * 0.3));
   });
 }
