@@ -232,8 +232,8 @@ Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::s
   out.weight.resize(nodes);
   make_rows(out, nodes, fine.edge.size() * 3 / 4, threads_for(n, threads),
             [&](std::size_t begin, std::size_t end, std::vector<Edge>& edge, std::span<std::uint32_t> ends) {
-              IdVector<NodeId, std::uint32_t> place(nodes + ghosts,
-                                                    0);  // of the edge to a node, plus 1, if in this row
+              // Of the edge to a node, plus 1, if in this row.
+              IdVector<NodeId, std::uint32_t> place(nodes + ghosts, 0);
               std::vector<Edge> row;
               for (std::size_t c = begin; c < end; ++c) {
                 const auto row_begin = static_cast<std::uint32_t>(edge.size());

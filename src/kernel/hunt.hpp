@@ -25,9 +25,8 @@ class Hunter {
   void relax();
   /// From now on elements are judged carefully, or no longer.
   void judge_carefully(bool careful);
-  /// The same for few: judges carefully those that touch an element below `quality`, and all that will be made, and
-  /// clears Part::dirty, to tell what changes from now on. Does nothing and returns false where no element is below
-  /// `quality`, else leave_few() must end it.
+  /// Clears Part::dirty, which then tells what changes. Where no element is below `quality`, returns false; else those
+  /// that touch one, and all that will be made, are judged carefully until leave_few().
   bool judge_few_carefully(double quality);
   void leave_few();
 

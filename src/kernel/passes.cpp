@@ -399,8 +399,8 @@ struct Care {
 /// A mesh with more poor elements than this after the main turns has a metric that turns within its elements (17 %
 /// where h = 0.001 across a cylinder and 0.1 along it, below 3 % everywhere else): its edges are relaxed.
 constexpr double kHardShare = 0.05;
-constexpr double kHardShareOfBad =
-    0.01;                      ///< the same for bad elements: a surface that stays, far coarser than the metric
+/// The same for elements below kBad: round a surface that stays, far coarser than the metric.
+constexpr double kHardShareOfBad = 0.01;
 constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
 /// Of such a mesh: with fewer strained edges than this it has been adapted to this metric before; with fewer than the
 /// second and next to no bad elements the main turns would move much for little, and only single edges and elements are
