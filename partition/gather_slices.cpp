@@ -123,6 +123,8 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
   const auto owned = owned_verts(comm, dist);
   const auto gid = [&](VertId v) { return GlobalId{number[idx(v)]}; };
   MeshSlice s;
+  s.coords.reserve(m.vert_slots());
+  s.vert_ref.reserve(m.vert_slots());
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     if (owned[v] == 0) continue;
     s.coords.push_back(m.coords[v]);

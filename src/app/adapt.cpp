@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "app/field_transfer.hpp"
 #include "app/files.hpp"
@@ -136,7 +137,7 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   record.lap("adapt");
   fields.arrive(dist, o.run.threads, record.log);
   if (fields.any()) record.lap("transfer");
-  record.finish(comm, dist, fields.out());
+  record.finish(comm, std::move(dist), fields.out());
   return ExitCode::kOk;
 }
 

@@ -46,7 +46,7 @@ ExitCode run_generate(const Comm& comm, Options& o) {
 
   DistMesh dist = generate(comm, surface, o.generate, record.log);
   record.lap("generate");
-  record.finish(comm, dist);
+  record.finish(comm, std::move(dist));
   return ExitCode::kOk;
 }
 

@@ -114,6 +114,10 @@ class LargeBlocks {
     keep(s);
     return true;
   }
+  void give_back_spares() noexcept {
+    const std::lock_guard hold(guard_);
+    while (n_spare_ > 0) drop_spare(n_spare_ - 1);
+  }
 
  private:
   /// The smallest spare span that is large enough; what it has too much stays spare.
@@ -190,6 +194,8 @@ void use_large_blocks() noexcept {
 #endif
 }
 
+void give_back_spare_blocks() noexcept { large_blocks.give_back_spares(); }
+
 }  // namespace skein::app
 
 // The array forms and those that return nullptr call these.
@@ -205,5 +211,6 @@ void operator delete(void* p, std::size_t, std::align_val_t) noexcept { skein::a
 #else
 namespace skein::app {
 void use_large_blocks() noexcept {}  // the sanitizers look after memory themselves
+void give_back_spare_blocks() noexcept {}
 }  // namespace skein::app
 #endif

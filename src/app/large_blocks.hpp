@@ -8,4 +8,7 @@ namespace skein::app {
 /// malloc.
 void use_large_blocks() noexcept;
 
+/// What is kept for the next array goes back to the system, which can use it for what is written to files.
+void give_back_spare_blocks() noexcept;
+
 }  // namespace skein::app

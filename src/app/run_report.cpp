@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "app/files.hpp"
+#include "app/large_blocks.hpp"
 #include "io/mesh_io.hpp"
 #include "metric/tensor.hpp"
 #include "partition/gather_slices.hpp"
@@ -95,22 +96,29 @@ void RunRecord::lap(const std::string& name) {
   lap_ = now;
 }
 
-void RunRecord::finish(const Comm& comm, DistMesh& dist, const FieldsOut& fields) {
+void RunRecord::finish(const Comm& comm, DistMesh dist, const FieldsOut& fields) {
   log.start("statistics");
   const MeshStatistics s = statistics(comm, dist, true, run_.threads);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   lap("statistics");
 
   log.start("write");
-  FieldSlice values;
+  const auto tets = static_cast<std::int64_t>(dist.mesh.tet_slots());
+  FieldSlice values, metric;
   if (!fields.kinds.empty()) {
     values = to_field_slices(comm, dist, 6, fields.kinds);
     values.names = fields.names;
   }
-  write_mesh(comm, run_.output, to_slices(comm, dist), fields.kinds.empty() ? nullptr : &values);
+  if (!run_.metric_out.empty()) metric = metric_slices(comm, dist);
+  MeshSlice mesh = to_slices(comm, dist);
+  // The system copies what is written, and memory that it has back is faster than such as nobody has used before.
+  dist.mesh = {}, dist.data = {}, dist.vert2gid = {};
+  give_back_spare_blocks();
+  write_mesh(comm, run_.output, mesh, fields.kinds.empty() ? nullptr : &values);
+  mesh = {};
   if (!fields.path.empty()) write_fields(comm, fields.path, values);
-  if (!run_.metric_out.empty()) write_fields(comm, run_.metric_out, metric_slices(comm, dist));
-  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+  if (!run_.metric_out.empty()) write_fields(comm, run_.metric_out, metric);
+  log.finish(tets);
   lap("write");
 
   log.note(fmt::format(

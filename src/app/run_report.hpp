@@ -50,7 +50,7 @@ class RunRecord {
   void lap(const std::string& name);
   /// Collective. The rest of the flow: statistics, writing of mesh, metric, fields and report. The log-metric is the
   /// first 6 numbers of dist.data.
-  void finish(const Comm& comm, DistMesh& dist, const FieldsOut& fields = {});
+  void finish(const Comm& comm, DistMesh dist, const FieldsOut& fields = {});
 
  private:
   [[nodiscard]] Json to_json(const Comm& comm, const DistMesh& dist, const Json& statistics) const;

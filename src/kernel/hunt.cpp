@@ -36,19 +36,17 @@ bool Hunter::is_new(TetId t) const noexcept {
 template <class Work>
 void Hunter::sweep(double target, int most, Work&& work) {
   const auto limit = static_cast<float>(cube(target));
-  const bool careful = part_->careful;
-  if (careful) {  // in the first turn all is new
-    for (auto& d : part_->dirty) d = static_cast<std::uint8_t>(d & ~kHunt);
-    state_.assign(part_->mesh.vert_slots(), kChanged | kToMove);
-  }
+  // In the first turn all is new.
+  for (auto& d : part_->dirty) d = static_cast<std::uint8_t>(d & ~kHunt);
+  state_.assign(part_->mesh.vert_slots(), kChanged | kToMove);
   for (int turn = 0; turn < most; ++turn) {
     bool any = false;
     part_->refused.assign(part_->mesh.tet_slots(), 0);
-    if (careful && turn > 0) note_changes();
+    if (turn > 0) note_changes();
     for (std::size_t i = 0; i < part_->mesh.tet_slots(); ++i) {
       const auto t = to_id<TetId>(i);
       if (part_->q3[t] >= limit || !part_->mesh.is_live(t) || !part_->active(t)) continue;
-      if (careful && !is_new(t)) continue;
+      if (!is_new(t)) continue;
       any = work(t) || any;
     }
     if (!any) return;
