@@ -117,7 +117,7 @@ void Cavity::enter_outer_faces() {
       const auto s = static_cast<std::size_t>(face_side(e.face));
       part_->mesh.tet2face[t][s] = kNoFace;
       part_->mesh.face_tag[t][s] = w.tag;
-      part_->dirty[t] |= kAllPasses;
+      part_->dirty[t] |= kAnew;
       e.face = kNoFace;
       continue;
     }
@@ -193,7 +193,7 @@ void Cavity::commit() {
     m.tet_ref[t] = fresh_[i].ref;
     p.q3[t] = fresh_[i].q3;
     p.refused[t] = 0;
-    p.dirty[t] = kAllPasses;
+    p.dirty[t] = kAnew;
     p.edges[t] = p.classify_edges(t);
     for (const VertId v : fresh_[i].v) m.vert2tet[v] = t;
   }
@@ -225,7 +225,7 @@ void Cavity::commit_cone(VertId apex, std::span<const BorderFace> border, const 
     m.face_tag[t] = {f.tag, 0, 0, 0};
     m.tet_ref[t] = f.ref;
     p.q3[t] = static_cast<float>(cone.q3(i));
-    p.dirty[t] = kAllPasses;
+    p.dirty[t] = kAnew;
     p.tet_mark[t] = 0;
     p.refused[t] = 0;
     if (f.behind != kNoFace) {
@@ -335,7 +335,7 @@ void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles
       for (std::size_t e = 0; e < 6; ++e) edges.add(e, classes[side][e]);
       p.edges[t[side]] = edges;
       p.q3[t[side]] = static_cast<float>(side == 0 ? with_b : with_a);
-      p.dirty[t[side]] = kAllPasses;
+      p.dirty[t[side]] = kAnew;
       p.refused[t[side]] = 0;
       p.tet_mark[t[side]] = 0;
       m.tet_ref[t[side]] = ref;

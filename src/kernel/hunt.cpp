@@ -10,44 +10,42 @@ constexpr double kLongest = 2;       ///< edge that may come of removing a verte
 constexpr double kVeryPoor = 0.35;   ///< quality below which steps along axes are tried
 constexpr double kRelaxFloor = 0.4;  ///< quality below which no element gets worse when edges are relaxed
 constexpr int kRelaxTurns = 4, kTurns = 8, kCarefulTurns = 20, kTries = 3;
-/// The bit of Part::dirty that tells what has changed; no smoothing pass comes after careful work.
-constexpr Pass kHunt = kSmoothPass;
 
 constexpr double cube(double q) noexcept { return q * q * q; }
 
 }  // namespace
 
-void Hunter::note_changes() {
+void Hunter::note_changes(Pass hunt) {
   state_.assign(part_->mesh.vert_slots(), 0);
   for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
-    if ((part_->dirty[t] & kHunt) == 0) continue;
-    part_->dirty[t] = static_cast<std::uint8_t>(part_->dirty[t] & ~kHunt);
-    if (!part_->mesh.is_live(t)) continue;
-    for (const VertId v : part_->mesh.tet2vert[t]) state_[v] = kChanged | kToMove;
+    std::uint8_t& dirty = part_->dirty[t];
+    if ((dirty & hunt) == 0 || !part_->mesh.is_live(t)) continue;
+    const bool changed = (dirty & kHasChanged) != 0;
+    if (changed) dirty = static_cast<std::uint8_t>(dirty & ~hunt);
+    for (const VertId v : part_->mesh.tet2vert[t]) state_[v] |= changed ? kChanged | kToMove : kToMove;
   }
 }
 
-bool Hunter::is_new(TetId t) const noexcept {
-  if ((part_->dirty[t] & kHunt) != 0) return true;
+bool Hunter::take(TetId t, Pass hunt) noexcept {
+  std::uint8_t& dirty = part_->dirty[t];
   const auto& v = part_->mesh.tet2vert[t];
-  return ((state_[v[0]] | state_[v[1]] | state_[v[2]] | state_[v[3]]) & kChanged) != 0;
+  const bool is_new =
+      (dirty & hunt) != 0 || ((state_[v[0]] | state_[v[1]] | state_[v[2]] | state_[v[3]]) & kChanged) != 0;
+  dirty = static_cast<std::uint8_t>(dirty & ~hunt);
+  return is_new;
 }
 
 template <class Work>
-void Hunter::sweep(double target, int most, Work&& work) {
+void Hunter::sweep(Pass hunt, double target, int most, Work&& work) {
   const auto limit = static_cast<float>(cube(target));
-  // In the first turn all is new.
-  for (auto& d : part_->dirty) d = static_cast<std::uint8_t>(d & ~kHunt);
-  state_.assign(part_->mesh.vert_slots(), kChanged | kToMove);
   for (int turn = 0; turn < most; ++turn) {
     bool any = false;
     part_->refused.assign(part_->mesh.tet_slots(), 0);
-    if (turn > 0) note_changes();
+    note_changes(hunt);
     for (std::size_t i = 0; i < part_->mesh.tet_slots(); ++i) {
       const auto t = to_id<TetId>(i);
       if (part_->q3[t] >= limit || !part_->mesh.is_live(t) || !part_->active(t)) continue;
-      if (!is_new(t)) continue;
-      any = work(t) || any;
+      if (take(t, hunt)) any = work(t) || any;
     }
     if (!any) return;
   }
@@ -82,7 +80,7 @@ bool Hunter::remove_vertex_in(TetId t) {
 }
 
 void Hunter::worst(double target) {
-  sweep(target, part_->careful ? kCarefulTurns : kTurns,
+  sweep(kWorstHunt, target, part_->careful ? kCarefulTurns : kTurns,
         [&](TetId t) { return swap_->any(t) || smooth_in(t) || move_along_axes_in(t) || remove_vertex_in(t); });
 }
 
@@ -108,13 +106,15 @@ bool Hunter::lighten_in(TetId t, double floor_q3) {
 }
 
 void Hunter::lighten(double target, double floor) {
-  sweep(target, kCarefulTurns, [&](TetId t) { return lighten_in(t, cube(floor)); });
+  sweep(kLightenHunt, target, kCarefulTurns, [&](TetId t) { return lighten_in(t, cube(floor)); });
 }
 
 void Hunter::judge_carefully(bool careful) {
   part_->careful = careful;
   for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
-    if (part_->mesh.is_live(t)) part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
+    if (!part_->mesh.is_live(t)) continue;
+    part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
+    if ((part_->dirty[t] & kToHunt) != 0) part_->dirty[t] |= kHunts;
   }
 }
 
@@ -123,13 +123,13 @@ bool Hunter::judge_few_carefully(double quality) {
   state_.assign(part_->mesh.vert_slots(), 0);
   few_.clear();
   const auto take = [&](TetId t) {
-    if ((part_->dirty[t] & kHunt) != 0) return;
-    part_->dirty[t] = kHunt;
+    if ((part_->dirty[t] & kHunts) != 0) return;
+    part_->dirty[t] |= kHunts;
     few_.push_back(t);
   };
-  std::fill(part_->dirty.begin(), part_->dirty.end(), std::uint8_t{0});
+  for (auto& d : part_->dirty) d &= kToHunt | kHasChanged;
   for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
-    if (part_->q3[t] >= limit || !part_->mesh.is_live(t) || !part_->active(t)) continue;
+    if (part_->q3[t] >= limit || (part_->dirty[t] & kToHunt) == 0 || !part_->mesh.is_live(t)) continue;
     take(t);
     for (const VertId v : part_->mesh.tet2vert[t]) {
       ball_.clear();
@@ -140,10 +140,7 @@ bool Hunter::judge_few_carefully(double quality) {
   }
   if (few_.empty()) return false;
   part_->careful = true;
-  for (const TetId t : few_) {
-    part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
-    part_->dirty[t] = 0;
-  }
+  for (const TetId t : few_) part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
   return true;
 }
 
@@ -154,7 +151,7 @@ void Hunter::leave_few() {
   };
   for (const TetId t : few_) judge(t);
   for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
-    if (part_->dirty[t] != 0) judge(t);
+    if ((part_->dirty[t] & kMainPasses) != 0) judge(t);
   }
 }
 
@@ -178,7 +175,7 @@ void Hunter::relax() {
       const auto t = to_id<TetId>(i);
       const unsigned mask =
           (part_->edges[t].may_be_long | part_->edges[t].may_be_short) & ~static_cast<unsigned>(part_->refused[t]);
-      if (mask == 0 || !part_->mesh.is_live(t) || !part_->active(t)) continue;
+      if (mask == 0 || (part_->dirty[t] & kToHunt) == 0 || !part_->mesh.is_live(t) || !part_->active(t)) continue;
       const auto v = part_->mesh.tet2vert[t];
       bool done = false;
       measure(*part_, v, mask, [&](std::size_t, VertId a, VertId b, double la, double lb) {

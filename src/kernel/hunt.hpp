@@ -8,8 +8,8 @@
 
 namespace skein {
 
-/// Sweeps that try every operator on what is poor, until none helps. With judge_carefully(true), what has been tried in
-/// vain is tried again only when something has changed round it.
+/// Sweeps that try every operator on what is poor, until none helps. What has been tried in vain is tried again only
+/// when something has changed round it.
 class Hunter {
  public:
   Hunter(Part& part, Collapser& collapse, Swapper& swap, Smoother& smooth)
@@ -25,19 +25,19 @@ class Hunter {
   void relax();
   /// From now on elements are judged carefully, or no longer.
   void judge_carefully(bool careful);
-  /// Clears Part::dirty, which then tells what changes. Where no element is below `quality`, returns false; else those
-  /// that touch one, and all that will be made, are judged carefully until leave_few().
+  /// Clears the passes' bits of Part::dirty, which then tell what changes. Where no element is below `quality`, returns
+  /// false; else those that touch one, and all that will be made, are judged carefully until leave_few().
   bool judge_few_carefully(double quality);
   void leave_few();
 
  private:
-  /// Calls work(t) for the elements below target, in up to `most` sweeps, until none returns true.
+  /// Calls work(t) for the elements below target that are new, in up to `most` sweeps, until none returns true.
   template <class Work>
-  void sweep(double target, int most, Work&& work);
-  /// Moves what has changed since the last sweep from the elements to their vertices.
-  void note_changes();
-  /// Something has changed at a vertex of t.
-  [[nodiscard]] bool is_new(TetId t) const noexcept;
+  void sweep(Pass hunt, double target, int most, Work&& work);
+  /// Makes state_ from what has changed or was there from the start and has not been tried by this hunt since.
+  void note_changes(Pass hunt);
+  /// Tells whether t is new: it, or something at a vertex of it, has changed since it was tried. It counts as tried.
+  [[nodiscard]] bool take(TetId t, Pass hunt) noexcept;
   bool smooth_in(TetId t);
   bool move_along_axes_in(TetId t);
   bool remove_vertex_in(TetId t);

@@ -22,7 +22,7 @@ void prepare(Part& p) {
   p.tet_stamp = p.vert_stamp = 0;
   p.free_tets.clear();
   p.free_verts.clear();
-  p.dirty.assign(nt, kAllPasses);
+  p.dirty.assign(nt, kFromTheStart);
   p.edges.assign(nt, {});
   for (const TetId t : IdRange<TetId>(nt)) {
     if (p.mesh.is_live(t)) {

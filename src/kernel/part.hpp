@@ -34,8 +34,22 @@ struct KernelOptions {
 };
 
 /// The kinds of passes, as bits of Part::dirty. A pass looks only at what has changed since it looked last, so that a
-/// converged mesh costs nothing but a scan of one byte per tetrahedron.
-enum Pass : std::uint8_t { kCollapsePass = 1, kInsertPass = 2, kSwapPass = 4, kSmoothPass = 8, kAllPasses = 15 };
+/// converged mesh costs nothing but a scan of one byte per tetrahedron. Two bits stay: what was to be looked at from
+/// the beginning or has changed since is hunted, and what has changed may be held for another round.
+enum Pass : std::uint8_t {
+  kCollapsePass = 1,
+  kInsertPass = 2,
+  kSwapPass = 4,
+  kSmoothPass = 8,
+  kMainPasses = 15,
+  kWorstHunt = 16,
+  kLightenHunt = 32,
+  kHunts = kWorstHunt | kLightenHunt,
+  kToHunt = 64,
+  kHasChanged = 128,
+  kFromTheStart = kMainPasses | kHunts | kToHunt,
+  kAnew = kFromTheStart | kHasChanged
+};
 
 /// Of an edge: it may be longer than split_above, shorter than collapse_below.
 enum EdgeClass : std::uint8_t { kMayBeLong = 1, kMayBeShort = 2 };

@@ -77,8 +77,8 @@ class Passes {
   void anchor();
   /// Counts what is still below `target`, by what holds it (OperationCounts).
   void count_poor(double target);
-  /// kHeld on the vertices of what is far from what was wanted and has a frozen or idle vertex next to it, as another
-  /// round might do better there; and on no others.
+  /// kHeld on the vertices of what is far from what was wanted and is confined, as another round might do better there;
+  /// and on no others.
   void mark_held();
   /// Puts what is near in space near in memory, if much is new.
   void order_if_grown();
@@ -101,7 +101,10 @@ class Passes {
   bool split_in(TetId t, double above, bool hunt = false);
   bool centroid_in(TetId t);
   [[nodiscard]] bool is_bad(TetId t) const noexcept;
-  /// Not all vertices of the tetrahedra at those of t can be worked with.
+  /// The round before has held it.
+  [[nodiscard]] bool was_held(TetId t) const noexcept;
+  /// Not all vertices of the tetrahedra at those of t can be worked with. Where only what was held is worked on, idle
+  /// vertices do not count: they have had a round with nothing in their way, and would hand each other on for ever.
   [[nodiscard]] bool is_confined(TetId t);
 
   Part& part_;
@@ -298,7 +301,7 @@ void Passes::hunt_lengths(const LengthHunt& hunt, bool only_new) {
     for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
       const auto t = to_id<TetId>(i);
       if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) continue;
-      if (only_new && part_.dirty[t] == 0) continue;
+      if ((part_.dirty[t] & (only_new ? kMainPasses : kToHunt)) == 0) continue;
       if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
       if (split_in(t, hunt.longest, true) || collapse_in(t, hunt.shortest, hunt.max_new, kFloor)) ++done;
     }
@@ -364,9 +367,19 @@ bool Passes::is_bad(TetId t) const noexcept {
   return false;
 }
 
+bool Passes::was_held(TetId t) const noexcept {
+  const auto& v = part_.mesh.tet2vert[t];
+  const auto& f = part_.mesh.vert_flags;
+  return (f[v[0]] & f[v[1]] & f[v[2]] & f[v[3]] & kHeld) != 0;
+}
+
 bool Passes::is_confined(TetId t) {
   const TetMesh& m = part_.mesh;
-  const auto bound = [&](VertId v) { return (m.vert_flags[v] & (kFrozen | kActive)) != kActive; };
+  const bool only_held = part_.options.only_held;
+  const auto bound = [&](VertId v) {
+    const unsigned f = m.vert_flags[v] & (kFrozen | kActive);
+    return only_held ? f == (kFrozen | kActive) : f != kActive;
+  };
   const auto tv = m.tet2vert[t];
   for (const VertId v : tv) {
     ball_.clear();
@@ -380,10 +393,16 @@ bool Passes::is_confined(TetId t) {
 }
 
 void Passes::mark_held() {
-  for (auto& f : part_.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kHeld);
-  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
-    if (!part_.mesh.is_live(t) || !is_bad(t) || !part_.active(t) || !is_confined(t)) continue;
-    for (const VertId v : part_.mesh.tet2vert[t]) part_.mesh.vert_flags[v] |= kHeld;
+  TetMesh& m = part_.mesh;
+  std::vector<TetId> held;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t) || !is_bad(t) || !part_.active(t)) continue;
+    if (part_.options.only_held && (part_.dirty[t] & kHasChanged) == 0 && !was_held(t)) continue;
+    if (is_confined(t)) held.push_back(t);
+  }
+  for (auto& f : m.vert_flags) f = static_cast<std::uint8_t>(f & ~kHeld);
+  for (const TetId t : held) {
+    for (const VertId v : m.tet2vert[t]) m.vert_flags[v] |= kHeld;
   }
 }
 

@@ -179,7 +179,7 @@ void Smoother::mark_changed(VertId v) {
   for (std::size_t i = 0; i < ball_.size(); ++i) {
     const TetId t = face_tet(ball_[i]);
     p.q3[t] = static_cast<float>(cone_.q3(i));
-    p.dirty[t] = kAllPasses;
+    p.dirty[t] = kAnew;
     const auto& tv = p.mesh.tet2vert[t];
     const auto& edge_of = kEdgeOf[static_cast<std::size_t>(face_side(ball_[i]))];
     EdgeBits edges = p.edges[t];
