@@ -28,8 +28,9 @@ class InterfaceRegion {
   /// Collective. New ranks for tetrahedra such that old interfaces become interior: each shared vertex with a global id
   /// below `before`, or within an edge of another that is kHeld, is given to one of its ranks, with all its tetrahedra
   /// and `layers` more layers of tetrahedra. In round 1, with all interfaces at stake, Duels share them out evenly;
-  /// later one order of the ranks, another one in each round, leaves less. It also decides between two such regions, so
-  /// an old interface vertex stays shared only where they meet. Tetrahedra elsewhere stay.
+  /// later they go to the rank with the fewest tetrahedra, so that what moves anyway flows from heavy ranks to light
+  /// ones. This order also decides between two such regions, so an old interface vertex stays shared only where they
+  /// meet. Tetrahedra elsewhere stay.
   [[nodiscard]] Moves displace(int layers, int round, GlobalId before = kEveryGlobal);
 
  private:

@@ -33,7 +33,8 @@ constexpr int kTurnsAfterGrowth = 3;  ///< of the main passes, in parts of a mes
 constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
 constexpr double kImbalance = 0.03;      ///< to which the numbers of tetrahedra of the result are brought ...
 constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good already
-constexpr int kLayers = 1;               ///< by which interfaces between ranks move
+constexpr int kLayers = 1;               ///< by which interfaces between ranks move after the first round ...
+constexpr int kMoreLayers = 3;           ///< ... and later, when few move: else the next one is soon in the way
 constexpr int kActiveLayers = 1;         ///< round old interfaces that are worked on again
 constexpr int kMendingRounds = 2;        ///< after the others, for what frozen vertices have left in a bad state
 constexpr int kMargin = 0;               ///< layers round these that cavities may reach into
@@ -144,9 +145,10 @@ void even_out(const Comm& comm, DistMesh& dist, int parts) {
 /// whether any are left; otherwise there is nothing to do.
 bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never_free) {
   const auto moves = [&]() -> std::optional<Moves> {
-    InterfaceRegion region(comm, dist, std::max(kActiveLayers, kLayers));
+    const int layers = round == 1 ? kLayers : kMoreLayers;
+    InterfaceRegion region(comm, dist, std::max(kActiveLayers, layers));
     if (!region.mark_active(kActiveLayers, never_free)) return {};
-    return region.displace(kLayers, round, never_free);
+    return region.displace(layers, round, never_free);
   }();
   if (!moves) return false;
   migrate(comm, dist, *moves);

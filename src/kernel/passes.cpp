@@ -101,8 +101,6 @@ class Passes {
   bool split_in(TetId t, double above, bool hunt = false);
   bool centroid_in(TetId t);
   [[nodiscard]] bool is_bad(TetId t) const noexcept;
-  /// The round before has held it.
-  [[nodiscard]] bool was_held(TetId t) const noexcept;
   /// Not all vertices of the tetrahedra at those of t can be worked with. Where only what was held is worked on, idle
   /// vertices do not count: they have had a round with nothing in their way, and would hand each other on for ever.
   [[nodiscard]] bool is_confined(TetId t);
@@ -367,12 +365,6 @@ bool Passes::is_bad(TetId t) const noexcept {
   return false;
 }
 
-bool Passes::was_held(TetId t) const noexcept {
-  const auto& v = part_.mesh.tet2vert[t];
-  const auto& f = part_.mesh.vert_flags;
-  return (f[v[0]] & f[v[1]] & f[v[2]] & f[v[3]] & kHeld) != 0;
-}
-
 bool Passes::is_confined(TetId t) {
   const TetMesh& m = part_.mesh;
   const bool only_held = part_.options.only_held;
@@ -393,16 +385,10 @@ bool Passes::is_confined(TetId t) {
 }
 
 void Passes::mark_held() {
-  TetMesh& m = part_.mesh;
-  std::vector<TetId> held;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (!m.is_live(t) || !is_bad(t) || !part_.active(t)) continue;
-    if (part_.options.only_held && (part_.dirty[t] & kHasChanged) == 0 && !was_held(t)) continue;
-    if (is_confined(t)) held.push_back(t);
-  }
-  for (auto& f : m.vert_flags) f = static_cast<std::uint8_t>(f & ~kHeld);
-  for (const TetId t : held) {
-    for (const VertId v : m.tet2vert[t]) m.vert_flags[v] |= kHeld;
+  for (auto& f : part_.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kHeld);
+  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
+    if (!part_.mesh.is_live(t) || !is_bad(t) || !part_.active(t) || !is_confined(t)) continue;
+    for (const VertId v : part_.mesh.tet2vert[t]) part_.mesh.vert_flags[v] |= kHeld;
   }
 }
 

@@ -71,14 +71,31 @@ TEST(Interface, UncontestedVerticesAreNotSharedAfterwards) {
   for (const GlobalId g : interior) EXPECT_FALSE(std::binary_search(shared.begin(), shared.end(), g));
 }
 
-TEST(Interface, PrioritiesChangeWithTheRound) {
+TEST(Interface, LaterRoundsFlowFromHeavyRanksToLightOnes) {
   const Comm& comm = world();
   if (comm.size() == 1) return;
-  DistMesh dist = distribute(comm, slices(comm, cube(4)));
-  std::int32_t differ = 0;
-  const auto first = displace_interface(comm, dist, 0, 0);
-  for (int round = 1; round < 12; ++round) differ |= displace_interface(comm, dist, 0, round) == first ? 0 : 1;
-  EXPECT_EQ(comm.max(differ), 1);
+  DistMesh dist = distribute(comm, slices(comm, cube(6)));
+  IdVector<TetId, Rank> uneven(dist.mesh.tet_slots(), comm.rank());
+  for (const TetId t : IdRange<TetId>(uneven.size() / (2 + idx(comm.rank())))) uneven[t] = Rank{0};
+  migrate(comm, dist, uneven);
+  for (const int layers : {1, 3}) {
+    const auto tets = comm.all_gather(static_cast<std::int64_t>(dist.mesh.tet_slots()));
+    const auto [least, most] = std::minmax_element(tets.begin(), tets.end());
+    const auto dest = displace_interface(comm, dist, layers, 2);
+    std::int64_t to_heaviest = 0, from_lightest = 0, moved = 0;
+    for (const Rank r : dest) {
+      if (r == comm.rank()) continue;
+      ++moved;
+      to_heaviest += tets[idx(r)] == *most ? 1 : 0;
+      from_lightest += tets[idx(comm.rank())] == *least ? 1 : 0;
+    }
+    EXPECT_GT(comm.sum(moved), 0);
+    ASSERT_LT(*least, *most);
+    const auto alone = [&](std::int64_t n) { return std::count(tets.begin(), tets.end(), n) == 1; };
+    EXPECT_EQ(alone(*most) ? comm.sum(to_heaviest) : 0, 0);
+    EXPECT_EQ(alone(*least) ? comm.sum(from_lightest) : 0, 0);
+    migrate(comm, dist, dest);
+  }
 }
 
 TEST(Interface, ActiveBandHasItsWidthOnAllRanks) {
