@@ -29,21 +29,47 @@ std::int64_t highest(const TetMesh& m, TetId t, const std::vector<std::int64_t>&
 InterfaceRegion::InterfaceRegion(const Comm& comm, DistMesh& dist, int layers)
     : comm_(comm), dist_(dist), halo_(comm, dist.sharing), layers_(std::max(layers, kReach)) {}
 
-void InterfaceRegion::find_tets() {
+void InterfaceRegion::find_tets(GlobalId before) {
   if (found_) return;
   found_ = true;
   const TetMesh& m = dist_.mesh;
-  std::vector<VertId> seeds = dist_.sharing.vert;
-  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    if (m.has(v, kHeld)) seeds.push_back(v);
+  const Sharing& sharing = dist_.sharing;
+  Labels mark(m.vert_slots(), 0);
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) mark[idx(v)] = m.has(v, kHeld) ? 1 : 0;
+  std::vector<VertId> first;  // on interfaces that are moved as a whole
+  for (std::size_t i = 0; i < sharing.size(); ++i) {
+    if (sharing.gid[i] >= before) continue;
+    first.push_back(sharing.vert[i]);
+    mark[idx(sharing.vert[i])] = 0;
   }
-  if (seeds.empty()) return;
-  Surroundings near(m, std::move(seeds));
-  near.add_all_tets();
-  for (int l = 0; l < layers_; ++l) {
+  std::vector<VertId> fresh;
+  std::vector<char> reached(sharing.size(), 0);
+  Surroundings near(m, {});
+  // What this rank or another has marked on the interface is added with all that is at it here.
+  const auto add_shared = [&] {
+    halo_.max(std::span<std::int64_t>(mark));
+    fresh.clear();
+    for (std::size_t i = 0; i < sharing.size(); ++i) {
+      if (mark[idx(sharing.vert[i])] == 0 || reached[i] != 0) continue;
+      reached[i] = 1;
+      fresh.push_back(sharing.vert[i]);
+    }
+    if (!fresh.empty()) near.add(fresh);
+  };
+  const auto add_layer = [&] {
     near.add_vertices();
+    for (const VertId v : sharing.vert) mark[idx(v)] |= near.has(v) ? 1 : 0;
     near.add_tets();
+    add_shared();
+  };
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    if (mark[idx(v)] != 0) fresh.push_back(v);
   }
+  if (!fresh.empty()) near.add(fresh);
+  add_shared();
+  for (int l = 0; l < kReach; ++l) add_layer();
+  if (!first.empty()) near.add(first);
+  for (int l = 0; l < layers_; ++l) add_layer();
   tets_ = near.tets();
 }
 
@@ -87,7 +113,7 @@ std::vector<char> InterfaceRegion::to_be_freed(GlobalId before) const {
 Moves InterfaceRegion::displace(int layers, int round, GlobalId before) {
   const TetMesh& m = dist_.mesh;
   const Sharing& sharing = dist_.sharing;
-  find_tets();
+  find_tets(before);
   const std::vector<char> wanted = to_be_freed(before);
   Labels label(m.vert_slots(), 0);
   if (round == 1) {
@@ -128,7 +154,7 @@ bool InterfaceRegion::mark_active(int layers, GlobalId before) {
     if (label[idx(v)] != 0) m.vert_flags[v] |= kHeld;
   }
   any = comm_.max(any);
-  if (any != 0) find_tets();
+  if (any != 0) find_tets(before);
   for (int l = 0; any != 0 && l < layers; ++l) spread(label);
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));

@@ -12,12 +12,12 @@ namespace skein {
 
 inline constexpr GlobalId kEveryGlobal{std::numeric_limits<std::int64_t>::max()};  ///< above all global ids
 
-/// The tetrahedra round the interfaces of a mesh and round what is kHeld, and what rounds do there. What is done costs
-/// as much as there is, but for one look at the whole mesh.
+/// The tetrahedra round what is to be worked on again, interfaces as a whole or what is kHeld, and what rounds do
+/// there. What is done costs as much as there is, but for one look at the whole mesh.
 class InterfaceRegion {
  public:
   /// Collective. `layers`: the most that will be asked for. The mesh must outlive the region; tetrahedra, interfaces
-  /// and kHeld may change only by mark_active. @pre layers >= 0.
+  /// and kHeld may change only by mark_active. All calls have the same `before`. @pre layers >= 0.
   InterfaceRegion(const Comm& comm, DistMesh& dist, int layers);
 
   /// Collective. kHeld on the vertices that are shared now and have a global id below `before`, and on all copies of
@@ -35,7 +35,7 @@ class InterfaceRegion {
 
  private:
   using Labels = std::vector<std::int64_t>;  ///< per vertex; 0: none
-  void find_tets();
+  void find_tets(GlobalId before);
   void spread(Labels& label) const;
   [[nodiscard]] std::vector<char> to_be_freed(GlobalId before) const;
 

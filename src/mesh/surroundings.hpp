@@ -43,13 +43,21 @@ class Surroundings {
       enter(m.vert2tet[v]);
     }
   }
-  /// Adds all tetrahedra at the vertices, whether they hang together or not. Those that hang together at a vertex but
-  /// not with its first tetrahedron have a face without a neighbour; so this looks at all faces, which is quick.
+  /// Adds all tetrahedra at the vertices, whether they hang together or not.
   void add_all_tets() {
-    visit_open_tets(m_, [&](TetId t) {
-      const auto& v = m_.tet2vert[t];
-      if (v[0] != kNoVert && (seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
-    });
+    enter_open();
+    add_tets();
+  }
+  /// Adds vertices and all tetrahedra at them, whether these hang together or not.
+  void add(const std::vector<VertId>& verts) {
+    for (const VertId v : verts) {
+      if (seen_[v] != 0) continue;
+      seen_[v] = 1;
+      verts_.push_back(v);
+      enter(m_.vert2tet[v]);
+    }
+    enter_open();
+    next_tet_ = std::min(next_tet_, newest_tet_);  // those before have no vertex that was not seen
     add_tets();
   }
 
@@ -99,6 +107,16 @@ class Surroundings {
   }
 
  private:
+  /// Tetrahedra that hang together at a vertex but not with its first one have a face without a neighbour. All faces
+  /// are looked at once, which is quick.
+  void enter_open() {
+    if (!open_known_) visit_open_tets(m_, [&](TetId t) { open_.push_back(t); });
+    open_known_ = true;
+    for (const TetId t : open_) {
+      const auto& v = m_.tet2vert[t];
+      if (v[0] != kNoVert && (seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
+    }
+  }
   void enter(TetId t) {
     if (inside_[t] != 0) return;
     inside_[t] = 1;
@@ -109,7 +127,8 @@ class Surroundings {
   IdVector<VertId, char> seen_;
   IdVector<TetId, char> inside_;
   std::vector<VertId> verts_;
-  std::vector<TetId> tets_;
+  std::vector<TetId> tets_, open_;
+  bool open_known_ = false;
   std::size_t next_tet_ = 0, newest_tet_ = 0;  ///< to look round; to take the vertices of
 };
 
