@@ -54,9 +54,16 @@ void Inserter::grow(VertId p) {
         const FaceId nf = m.tet2face[t][f];
         const bool shut = nf == kNoFace || m.face_tag[t][f] != 0;
         const TetId nb = shut ? t : face_tet(nf);
+        __builtin_prefetch(&m.tet2vert[nb]);
         around_[n] = nb;
         n += cavity_->meet(nb) ? 1 : 0;
       }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      for (const VertId v : m.tet2vert[around_[i]])
+        __builtin_prefetch(&m.coords[v]), __builtin_prefetch(&part_->metric.at[v]);
+      __builtin_prefetch(&m.tet2face[around_[i]]);
+      __builtin_prefetch(&m.face_tag[around_[i]]);
     }
     spheres_.clear();
     for (std::size_t i = 0; i < n; ++i) spheres_.add(*part_, m.tet2vert[around_[i]]);

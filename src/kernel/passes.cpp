@@ -128,6 +128,11 @@ class Passes {
     __builtin_prefetch(&part_.mesh.tet2vert[nb]);
     __builtin_prefetch(&part_.mesh.tet2face[nb]);
   }
+  for (const VertId v : part_.mesh.tet2vert[t]) {
+    if (v == kNoVert) return;
+    __builtin_prefetch(&part_.metric.at[v]);
+    __builtin_prefetch(&part_.mesh.coords[v]);
+  }
 }
 
 template <class Wanted, class Visit>
