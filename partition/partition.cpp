@@ -71,7 +71,7 @@ std::vector<double> predicted_work(const DistMesh& dist) {
   // Measured: 2.3 microseconds for each tetrahedron that is made, 1.7 for one that goes, 0.6 for one that stays.
   constexpr double kStays = 0.27, kGoes = 0.75;
   // What is made for a metric whose lengths differ by factors costs this much more than for an isotropic one.
-  constexpr double kMore = 0.4;
+  constexpr double kMore = 0.6;
   IdVector<VertId, double> made(dist.mesh.vert_slots());
   for (const VertId v : IdRange<VertId>(made.size())) {
     made[v] = 1 + kMore * (1 - std::exp(-anisotropy(dist.data.at(v))));
