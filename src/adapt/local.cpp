@@ -5,8 +5,8 @@
 
 #include "adapt/band.hpp"
 #include "adapt/blocks.hpp"
+#include "adapt/gaps.hpp"
 #include "kernel/passes.hpp"
-#include "mesh/adjacency.hpp"
 #include "mesh/assert.hpp"
 #include "mesh/check.hpp"
 #include "mesh/parallel.hpp"
@@ -27,16 +27,6 @@ IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
   return old2new;
 }
 
-/// Takes the free slots out of mesh and metric; follows the numbers in old2new.
-void squeeze_all(TetMesh& mesh, MetricField& metric, IdVector<VertId, VertId>& old2new) {
-  const auto step = squeeze(mesh);
-  squeeze(metric.at, step, mesh.vert_slots());
-  squeeze(metric.log_at, step, mesh.vert_slots());
-  for (auto& v : old2new) {
-    if (v != kNoVert) v = step[v];
-  }
-}
-
 IdVector<VertId, VertId> identity_of_frozen(const TetMesh& mesh) {
   IdVector<VertId, VertId> out(mesh.vert_slots(), kNoVert);
   for (const VertId v : IdRange<VertId>(mesh.vert_slots())) {
@@ -49,15 +39,15 @@ void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalR
   Part part;
   part.mesh = std::move(mesh);
   part.metric = std::move(metric);
-  const auto step = run(part, o);
-  for (auto& v : result.old2new) {
-    if (v != kNoVert) v = step[v];
-  }
+  const auto adapted = run(part, o);
   result.counts += part.counts;
   result.hard = part.hard;
   mesh = std::move(part.mesh);
   metric = std::move(part.metric);
-  squeeze_all(mesh, metric, result.old2new);
+  const auto now = close_gaps(mesh, metric);
+  for (auto& v : result.old2new) {
+    if (v != kNoVert) v = now[adapted[v]];
+  }
 }
 
 /// The coordinate along which points extend furthest, as a function of a point.

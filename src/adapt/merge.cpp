@@ -3,6 +3,7 @@
 #include <array>
 
 #include "adapt/blocks.hpp"
+#include "adapt/gaps.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/parallel.hpp"
 
@@ -17,9 +18,7 @@ void seal_block(Block& block, const IdVector<VertId, VertId>& old2new) {
   p.edges = {};
   p.vert_mark = {};
   p.edge_class = {};
-  const auto step = squeeze(p.mesh);
-  squeeze(p.metric.at, step, p.mesh.vert_slots());
-  squeeze(p.metric.log_at, step, p.mesh.vert_slots());
+  const auto step = close_gaps(p.mesh, p.metric);
   block.common_id.clear();
   for (VertId& v : block.common) {
     block.common_id.push_back(block.id[v]);

@@ -2,6 +2,7 @@
 #include "kernel/hunt.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace skein {
 namespace {
@@ -16,13 +17,38 @@ constexpr double cube(double q) noexcept { return q * q * q; }
 }  // namespace
 
 void Hunter::note_changes(Pass hunt) {
+  auto& dirty = part_->dirty;
+  if ((all_new_ & hunt) != 0) {
+    all_new_ = static_cast<std::uint8_t>(all_new_ & ~hunt);
+    for (auto& d : dirty) d = static_cast<std::uint8_t>(d & ~hunt);
+    state_.assign(part_->mesh.vert_slots(), kChanged | kToMove);
+    return;
+  }
   state_.assign(part_->mesh.vert_slots(), 0);
-  for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
-    std::uint8_t& dirty = part_->dirty[t];
-    if ((dirty & hunt) == 0 || !part_->mesh.is_live(t)) continue;
-    const bool changed = (dirty & kHasChanged) != 0;
-    if (changed) dirty = static_cast<std::uint8_t>(dirty & ~hunt);
-    for (const VertId v : part_->mesh.tet2vert[t]) state_[v] |= changed ? kChanged | kToMove : kToMove;
+  std::uint64_t eight = 0;  // most have not changed
+  constexpr std::size_t kAtOnce = sizeof eight;
+  const std::size_t n = dirty.size();
+  for (std::size_t i = 0; i < n; i += kAtOnce) {
+    const std::size_t m = std::min(n - i, kAtOnce);
+    eight = 0;
+    std::memcpy(&eight, dirty.data() + i, m);
+    if ((eight & hunt * 0x0101010101010101U) == 0) continue;
+    for (const TetId t : IdRange<TetId>(i, i + m)) {
+      if ((dirty[t] & hunt) == 0 || !part_->mesh.is_live(t)) continue;
+      const bool changed = (dirty[t] & kHasChanged) != 0;
+      if (changed) dirty[t] = static_cast<std::uint8_t>(dirty[t] & ~hunt);
+      for (const VertId v : part_->mesh.tet2vert[t]) state_[v] |= changed ? kChanged | kToMove : kToMove;
+    }
+  }
+}
+
+void Hunter::make_all_new() {
+  if (!part_->options.only_held) {
+    all_new_ = kHunts;
+    return;
+  }
+  for (auto& d : part_->dirty) {
+    if ((d & kToHunt) != 0) d |= kHunts;
   }
 }
 
@@ -112,10 +138,9 @@ void Hunter::lighten(double target, double floor) {
 void Hunter::judge_carefully(bool careful) {
   part_->careful = careful;
   for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
-    if (!part_->mesh.is_live(t)) continue;
-    part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
-    if ((part_->dirty[t] & kToHunt) != 0) part_->dirty[t] |= kHunts;
+    if (part_->mesh.is_live(t)) part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
   }
+  make_all_new();
 }
 
 bool Hunter::judge_few_carefully(double quality) {
@@ -128,6 +153,7 @@ bool Hunter::judge_few_carefully(double quality) {
     few_.push_back(t);
   };
   for (auto& d : part_->dirty) d &= kToHunt | kHasChanged;
+  all_new_ = 0;
   for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
     if (part_->q3[t] >= limit || (part_->dirty[t] & kToHunt) == 0 || !part_->mesh.is_live(t)) continue;
     take(t);

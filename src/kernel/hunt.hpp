@@ -13,7 +13,9 @@ namespace skein {
 class Hunter {
  public:
   Hunter(Part& part, Collapser& collapse, Swapper& swap, Smoother& smooth)
-      : part_(&part), collapse_(&collapse), swap_(&swap), smooth_(&smooth) {}
+      : part_(&part), collapse_(&collapse), swap_(&swap), smooth_(&smooth) {
+    make_all_new();
+  }
 
   /// Works on the elements below `target`, accepting only what makes the worst element better.
   void worst(double target);
@@ -34,6 +36,8 @@ class Hunter {
   /// Calls work(t) for the elements below target that are new, in up to `most` sweeps, until none returns true.
   template <class Work>
   void sweep(Pass hunt, double target, int most, Work&& work);
+  /// Nothing has been tried: all that is to be hunted is new to both hunts.
+  void make_all_new();
   /// Makes state_ from what has changed or was there from the start and has not been tried by this hunt since.
   void note_changes(Pass hunt);
   /// Tells whether t is new: it, or something at a vertex of it, has changed since it was tried. It counts as tried.
@@ -51,6 +55,7 @@ class Hunter {
   Shell shell_;
   enum : std::uint8_t { kChanged = 1, kToMove = 2 };
   IdVector<VertId, std::uint8_t> state_;  ///< of the vertices in this sweep
+  std::uint8_t all_new_ = 0;              ///< kHunts for which everything is new, whatever Part::dirty says
   std::vector<TetId> few_, ball_;
 };
 

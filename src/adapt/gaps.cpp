@@ -1,0 +1,51 @@
+// Gaps: few are filled from the end, many are closed by moving up.
+#include "adapt/gaps.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "mesh/adjacency.hpp"
+#include "mesh/holes.hpp"
+
+namespace skein {
+namespace {
+
+constexpr std::size_t kFew = 8;  ///< one free tetrahedron in so many, at most: more would scatter too much of the mesh
+
+template <Identifier Id>
+std::vector<Id> free_slots(const TetMesh& m, std::size_t n) {
+  std::vector<Id> free;
+  for (const Id i : IdRange<Id>(n)) {
+    if (!m.is_live(i)) free.push_back(i);
+  }
+  return free;
+}
+
+IdVector<VertId, VertId> fill_gaps(TetMesh& m, MetricField& metric, const std::vector<TetId>& free_tets) {
+  const auto free_verts = free_slots<VertId>(m, m.vert_slots());
+  IdVector<VertId, VertId> old2new(m.vert_slots());
+  for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = v;
+  for (const VertId v : free_verts) old2new[v] = kNoVert;
+  fill_free_tets(m, free_tets);
+  fill_free_verts(m, free_verts, [&](VertId from, VertId to) {
+    metric.at[to] = metric.at[from];
+    metric.log_at[to] = metric.log_at[from];
+    old2new[from] = to;
+  });
+  metric.at.resize(m.vert_slots());
+  metric.log_at.resize(m.vert_slots());
+  return old2new;
+}
+
+}  // namespace
+
+IdVector<VertId, VertId> close_gaps(TetMesh& mesh, MetricField& metric) {
+  const auto free_tets = free_slots<TetId>(mesh, mesh.tet_slots());
+  if (kFew * free_tets.size() <= mesh.tet_slots()) return fill_gaps(mesh, metric, free_tets);
+  auto old2new = squeeze(mesh);
+  squeeze(metric.at, old2new, mesh.vert_slots());
+  squeeze(metric.log_at, old2new, mesh.vert_slots());
+  return old2new;
+}
+
+}  // namespace skein

@@ -1,0 +1,12 @@
+// Taking free slots out of a mesh and the metric at its vertices.
+#pragma once
+#include "mesh/tet_mesh.hpp"
+#include "metric/metric_field.hpp"
+
+namespace skein {
+
+/// Takes the free slots out of mesh and metric. Where they are few, as after adaptation, what lies at the end moves into
+/// them, else all moves up, which keeps the order. Returns old vertex -> new vertex, kNoVert for free ones.
+IdVector<VertId, VertId> close_gaps(TetMesh& mesh, MetricField& metric);
+
+}  // namespace skein
