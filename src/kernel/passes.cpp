@@ -365,7 +365,9 @@ bool Passes::is_bad(TetId t) const noexcept {
     const auto& e = kEdgeVerts[static_cast<std::size_t>(std::countr_zero(mask))];
     const auto& tv = part_.mesh.tet2vert[t];
     const VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
-    if (part_.is_longer(a, b, kBadLong) || part_.is_shorter(a, b, kBadShort)) return true;
+    if (part_.is_longer(a, b, kBadLong)) return true;
+    // What is short after two rounds lies between vertices that must stay, as a rule, and costs elements, no accuracy.
+    if (!part_.options.only_held && part_.is_shorter(a, b, kBadShort)) return true;
   }
   return false;
 }
