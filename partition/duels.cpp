@@ -16,12 +16,13 @@ constexpr int kTurns = 8;  ///< of turning duels round that make the winner's an
 
 std::array<double, 3> parts_of(Vec3 x) noexcept { return {x.x, x.y, x.z}; }
 
-}  // namespace
-
+/// An order of the ranks, another one in each round: distinct, greater than 0, the rank in the low 32 bits.
 std::int64_t order_in_round(Rank r, int round) noexcept {
   const std::uint64_t h = mix(mix(static_cast<std::uint64_t>(round) + 1) ^ static_cast<std::uint64_t>(num(r)));
   return static_cast<std::int64_t>((h >> 34 | 1) << 32) | num(r);
 }
+
+}  // namespace
 
 Duels::Duels(const Comm& comm, const DistMesh& dist, const std::vector<char>& wanted, int round)
     : self_(comm.rank()), round_(round) {

@@ -9,9 +9,6 @@
 
 namespace skein {
 
-/// An order of the ranks, another one in each round: distinct, greater than 0, the rank in the low 32 bits.
-std::int64_t order_in_round(Rank r, int round) noexcept;
-
 /// Every two ranks that share vertices fight for them, and one wins them all: an interface is then given away in one
 /// piece, and only where three ranks meet do regions of different winners touch. Who wins is chosen so that all ranks
 /// win about as many vertices; among equals it changes with the round. Where there are fewer pairs than ranks, as with
