@@ -127,11 +127,6 @@ void Duels::make_alike() {
   }
 }
 
-std::int64_t Duels::priority(Rank r) const noexcept {
-  constexpr std::int64_t kMost = (std::int64_t{1} << 29) - 1;
-  return (kMost + 1 - std::min(won_[idx(r)], kMost)) << 32 | num(r);
-}
-
 bool Duels::beats(Rank r, Rank other, std::int32_t half) const noexcept {
   const auto wanted = std::tuple(std::min(r, other), std::max(r, other), half);
   const auto at = std::lower_bound(duels_.begin(), duels_.end(), wanted,

@@ -9,6 +9,13 @@
 
 namespace skein {
 
+/// Orders ranks by some amount, the least first: distinct, greater than 0, the rank in the low 32 bits. @pre amount >=
+/// 0.
+[[nodiscard]] constexpr std::int64_t least_first(std::int64_t amount, Rank r) noexcept {
+  constexpr std::int64_t kMost = (std::int64_t{1} << 29) - 1;  // leaves two bits above for others
+  return (kMost + 1 - (amount < kMost ? amount : kMost)) << 32 | num(r);
+}
+
 /// Every two ranks that share vertices fight for them, and one wins them all: an interface is then given away in one
 /// piece, and only where three ranks meet do regions of different winners touch. Who wins is chosen so that all ranks
 /// win about as many vertices; among equals it changes with the round. Where there are fewer pairs than ranks, as with
@@ -21,7 +28,7 @@ class Duels {
   [[nodiscard]] Rank winner(const Sharing& sharing, std::size_t i, Vec3 x) const;
   /// Who goes first where the regions of two winners meet: who has won less. Distinct, greater than 0, the rank in the
   /// low 32 bits. Not collective.
-  [[nodiscard]] std::int64_t priority(Rank r) const noexcept;
+  [[nodiscard]] std::int64_t priority(Rank r) const noexcept { return least_first(won_[idx(r)], r); }
 
  private:
   struct Duel {

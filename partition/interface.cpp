@@ -123,9 +123,7 @@ Moves InterfaceRegion::displace(int layers, int round, GlobalId before) {
       if (wanted[i] != 0) label[idx(v)] = duels.priority(duels.winner(sharing, i, m.coords[v]));
     }
   } else {
-    constexpr std::int64_t kMost = (std::int64_t{1} << 30) - 1;
-    const std::int64_t room = kMost + 1 - std::min(static_cast<std::int64_t>(m.tet_slots()), kMost);
-    const std::int64_t mine = room << 32 | num(comm_.rank());
+    const std::int64_t mine = least_first(static_cast<std::int64_t>(m.tet_slots()), comm_.rank());
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (wanted[i] != 0) label[idx(sharing.vert[i])] = mine;
     }

@@ -53,7 +53,7 @@ void PhaseLog::start(const std::string& name) {
   cpu_ = cpu_time();
   start_ = wall_time();
   if (output_ == Output::kTerminal && comm_->is_root()) {
-    fmt::print("[{:8.1f} s]  {:<18} ...", elapsed(), name);
+    fmt::print("[{:8.1f} s]  {:<19} ...", elapsed(), name);
     std::fflush(stdout);
   }
 }
@@ -95,7 +95,7 @@ void PhaseLog::finish(std::int64_t local_tets) {
   for (std::size_t i = 0; i < names.size(); ++i) cost.operations[names[i]] = numbers[i];
 
   if (output_ != Output::kQuiet && comm_->is_root()) {
-    fmt::print("{}[{:8.1f} s]  {:<18} {:>15} tets {:9.2f} s  balance {:3.0f} %{}\n",
+    fmt::print("{}[{:8.1f} s]  {:<19} {:>15} tets {:9.2f} s  balance {:3.0f} %{}\n",
                output_ == Output::kTerminal ? "\r" : "", elapsed(), cost.name, grouped(cost.elements), cost.seconds_max,
                cost.balance, output_ == Output::kTerminal ? "\033[K" : "");
     std::fflush(stdout);

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <random>
 #include <set>
 
+#include "adapt/gaps.hpp"
+#include "kernel/passes.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "partition/partition.hpp"
@@ -29,6 +32,7 @@ void put(std::vector<double>& item, const TetMesh& m, const MetricField& f, Vert
 Items content(const TetMesh& m, const MetricField& f) {
   Items out;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t)) continue;
     std::vector<double> item{double(m.tet_ref[t])};
     for (std::size_t i = 0; i < 4; ++i) {
       put(item, m, f, m.tet2vert[t][i]);
@@ -79,6 +83,39 @@ void seal(std::vector<Block>& blocks) {
     for (const VertId v : IdRange<VertId>(same.size())) same[v] = v;
     seal_block(b, same);
   }
+}
+
+/// Gaps are filled from the end where they are few, else all moves up: the mesh is the same, and numbers follow.
+TEST(Gaps, AreClosedWithoutAChange) {
+  std::array<int, 2> seen{};  // few, many
+  for (const double h : {0.05, 0.12, 0.3, 0.6}) {
+    Part p;
+    p.mesh = make_mesh({.n = 6, .two_regions = true, .required = true, .perturb = 0.2});
+    for (std::size_t v = 0; v < p.mesh.vert_slots(); ++v) p.metric.push_back_log(log(isotropic(1 / (h * h))));
+    prepare(p);
+    adapt_part(p);
+    const auto before = content(p.mesh, p.metric);
+    const auto coords = p.mesh.coords;
+    std::size_t free = 0, live_verts = 0;
+    for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) free += p.mesh.is_live(t) ? 0 : 1;
+    ++seen[8 * free > p.mesh.tet_slots() ? 1 : 0];
+    std::vector<char> live(coords.size());
+    for (const VertId v : IdRange<VertId>(coords.size())) live_verts += live[idx(v)] = p.mesh.is_live(v) ? 1 : 0;
+
+    const auto old2new = close_gaps(p.mesh, p.metric);
+    ASSERT_EQ(check(p.mesh), "");
+    EXPECT_EQ(content(p.mesh, p.metric), before);
+    EXPECT_EQ(p.mesh.vert_slots(), live_verts);
+    EXPECT_EQ(p.metric.size(), live_verts);
+    for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) EXPECT_TRUE(p.mesh.is_live(t));
+    for (const VertId v : IdRange<VertId>(coords.size())) {
+      ASSERT_EQ(old2new[v] != kNoVert, live[idx(v)] != 0);
+      if (old2new[v] == kNoVert) continue;
+      EXPECT_EQ(norm(p.mesh.coords[old2new[v]] - coords[v]), 0);
+    }
+  }
+  EXPECT_GT(seen[0], 0);
+  EXPECT_GT(seen[1], 0);
 }
 
 class Blocks : public ::testing::TestWithParam<int> {};

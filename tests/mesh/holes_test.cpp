@@ -145,6 +145,44 @@ RC_GTEST_PROP(LinkEqualFaces, UndoesACut, ()) {
   RC_ASSERT(m.tet2face == before);
 }
 
+RC_GTEST_PROP(Surroundings, WhatIsAddedLaterCountsToo, ()) {
+  MeshSpec spec;
+  spec.n = *rc::gen::inRange(1, 6);
+  const TetMesh m = make_mesh(spec);
+  const auto any = [&] { return to_id<VertId>(*rc::gen::inRange<std::size_t>(0, m.vert_slots())); };
+  const VertId first = any(), second = any();
+  IdVector<VertId, char> seen(m.vert_slots(), 0);
+  seen[first] = 1;
+  const auto at_seen = [&](TetId t) {
+    const auto& v = m.tet2vert[t];
+    return (seen[v[0]] | seen[v[1]] | seen[v[2]] | seen[v[3]]) != 0;
+  };
+  const auto all_at_seen = [&] {
+    std::vector<TetId> out;
+    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+      if (at_seen(t)) out.push_back(t);
+    }
+    return out;
+  };
+  const auto add_layer = [&](Surroundings& s) {
+    s.add_vertices();
+    s.add_tets();
+    for (const TetId t : all_at_seen()) {
+      for (const VertId v : m.tet2vert[t]) seen[v] |= 2;
+    }
+    for (auto& v : seen) v = v != 0 ? 1 : 0;
+  };
+  Surroundings near(m, {});
+  near.add({first});
+  add_layer(near);
+  RC_ASSERT(near.tets() == all_at_seen());
+  near.add({second});
+  seen[second] = 1;
+  RC_ASSERT(near.tets() == all_at_seen());
+  add_layer(near);
+  RC_ASSERT(near.tets() == all_at_seen());
+}
+
 RC_GTEST_PROP(Surroundings, AreAllWithinSoManyLayers, ()) {
   MeshSpec spec;
   spec.n = *rc::gen::inRange(1, 6);
@@ -154,16 +192,17 @@ RC_GTEST_PROP(Surroundings, AreAllWithinSoManyLayers, ()) {
   const int layers = *rc::gen::inRange(0, 3);
   IdVector<VertId, char> seen(m.vert_slots(), 0);
   for (const VertId v : seeds) seen[v] = 1;
-  Surroundings near(m, seeds), scanned(m, seeds);
+  Surroundings near(m, seeds), scanned(m, seeds), added(m, {});
   near.add_tets();
   scanned.add_all_tets();
+  added.add(seeds);
   for (int l = 0; l < layers; ++l) {
     const auto inner = seen;
     for (const auto& v : m.tet2vert) {
       if ((inner[v[0]] | inner[v[1]] | inner[v[2]] | inner[v[3]]) == 0) continue;
       for (const VertId w : v) seen[w] = 1;
     }
-    for (Surroundings* s : {&near, &scanned}) {
+    for (Surroundings* s : {&near, &scanned, &added}) {
       s->add_vertices();
       s->add_tets();
     }
@@ -173,7 +212,7 @@ RC_GTEST_PROP(Surroundings, AreAllWithinSoManyLayers, ()) {
     const auto& v = m.tet2vert[t];
     if ((seen[v[0]] | seen[v[1]] | seen[v[2]] | seen[v[3]]) != 0) expected.push_back(t);
   }
-  for (const Surroundings* s : {&near, &scanned}) {
+  for (const Surroundings* s : {&near, &scanned, &added}) {
     RC_ASSERT(s->tets() == expected);
     for (const VertId v : IdRange<VertId>(seen.size())) RC_ASSERT(s->has(v) == (seen[v] != 0));
   }
