@@ -107,9 +107,9 @@ LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
 /// Not collective.
 OperationCounts adapt_band(DistMesh& dist, LocalOptions options) {
   options.kernel.only_held = true;
-  Band band = cut_band(dist, kMargin);
+  Band band = cut_band(dist, kMargin, options.threads);
   const LocalResult r = adapt_local(band.mesh, band.metric, options);
-  put_back(dist, band, r.old2new);
+  put_back(dist, band, r.old2new, options.threads);
   return r.counts;
 }
 

@@ -2,46 +2,118 @@
 #include "adapt/band.hpp"
 
 #include <algorithm>
-#include <array>
-#include <iterator>
-#include <memory>
+#include <utility>
 
 #include "mesh/holes.hpp"
-#include "mesh/surroundings.hpp"
+#include "mesh/parallel.hpp"
+#include "mesh/subset.hpp"
 #include "partition/feature_scan.hpp"
 
 namespace skein {
 namespace {
 
-void cut_vertex(const TetMesh& m, const VertexAttributes& data, VertId v, bool inner, Band& band) {
-  band.mesh.coords.push_back(m.coords[v]);
-  band.mesh.vert_ref.push_back(m.vert_ref[v]);
-  band.mesh.vert_flags.push_back(static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (inner ? 0 : kFrozen)));
-  band.mesh.vert2tet.push_back(kNoTet);
-  data.append_metric(v, band.metric);
-  band.to_rank.push_back(v);
-}
+/// Cuts a band; threads share what comes in by its place in the band.
+class Cut {
+ public:
+  Cut(const TetMesh& m, const VertexAttributes& data, Surroundings near, int threads)
+      : m_(m), data_(data), near_(std::move(near)), threads_(threads), tets_(m.tet_slots()), verts_(m.vert_slots()) {}
 
-void cut_features(const TetMesh& m, TetId t, const IdVector<VertId, VertId>& vert2band, Band& band) {
-  features_of(m, t, [&](std::uint32_t place) {
-    const FeatureEdge& e = m.features.list()[place];
-    const VertId a = vert2band[e.a], b = vert2band[e.b];
-    if (band.mesh.features.find(a, b) != nullptr) return;
-    band.mesh.features.insert(a, b, e.ref, e.ridge);
-    band.features.push_back(e);
-  });
-}
+  Band run() {
+    near_.add_tets();
+    number();
+    in_parallel(threads_, [&](int w) { place_vertices(w); });
+    std::vector<std::vector<FaceId>> seams(static_cast<std::size_t>(threads_));
+    in_parallel(threads_, [&](int w) { place_tets(w, seams[static_cast<std::size_t>(w)]); });
+    for (const auto& seam : seams) band_.seam.insert(band_.seam.end(), seam.begin(), seam.end());
+    TetMesh& b = band_.mesh;
+    for (const TetId t : IdRange<TetId>(b.tet_slots())) {
+      for (const VertId v : b.tet2vert[t]) b.vert2tet[v] = t;
+    }
+    if (m_.features.size() != 0) cut_features();
+    b.patch_ref = m_.patch_ref;
+    return std::move(band_);
+  }
+
+ private:
+  void number() {
+    band_.tets = near_.tets();
+    for (const TetId t : band_.tets) {
+      tets_.insert(t);
+      for (const VertId v : m_.tet2vert[t]) verts_.insert(v);
+    }
+    tets_.number();
+    verts_.number();
+    band_.to_rank = IdVector<VertId, VertId>(verts_.members());
+    const std::size_t nt = band_.tets.size(), nv = verts_.size();
+    TetMesh& b = band_.mesh;
+    b.reserve(2 * nv, nt);
+    band_.metric.reserve(2 * nv);
+    resize_tets(b, nt);
+    resize_verts(b, nv);
+    band_.metric.at.resize(nv);
+    band_.metric.log_at.resize(nv);
+  }
+
+  void place_vertices(int w) {
+    const std::size_t n = verts_.size();
+    for (const VertId to : IdRange<VertId>(share_begin(n, w, threads_), share_begin(n, w + 1, threads_))) {
+      const VertId v = band_.to_rank[to];
+      band_.mesh.coords[to] = m_.coords[v];
+      band_.mesh.vert_ref[to] = m_.vert_ref[v];
+      // A tetrahedron outside has no vertex that is in near_, so whatever it shares with the band is frozen.
+      const unsigned flags = near_.has(v) ? m_.vert_flags[v] : (m_.vert_flags[v] & ~kActive) | kFrozen;
+      band_.mesh.vert_flags[to] = static_cast<std::uint8_t>(flags);
+      data_.copy_metric(v, band_.metric, to);
+    }
+  }
+
+  void place_tets(int w, std::vector<FaceId>& seam) {
+    const std::size_t n = band_.tets.size();
+    for (const TetId to : IdRange<TetId>(share_begin(n, w, threads_), share_begin(n, w + 1, threads_))) {
+      const TetId t = band_.tets[idx(to)];
+      for (std::size_t k = 0; k < 4; ++k) {
+        band_.mesh.tet2vert[to][k] = to_id<VertId>(verts_.place(m_.tet2vert[t][k]));
+        const FaceId f = m_.tet2face[t][k];
+        const bool inside = f != kNoFace && tets_.has(face_tet(f));
+        if (f != kNoFace && !inside) seam.push_back(f);
+        band_.mesh.tet2face[to][k] = inside ? make_face(to_id<TetId>(tets_.place(face_tet(f))), face_side(f)) : kNoFace;
+      }
+      band_.mesh.face_tag[to] = m_.face_tag[t];
+      band_.mesh.tet_ref[to] = m_.tet_ref[t];
+    }
+  }
+
+  void cut_features() {
+    for (const TetId t : band_.tets) {
+      features_of(m_, t, [&](std::uint32_t place) {
+        const FeatureEdge& e = m_.features.list()[place];
+        const auto a = to_id<VertId>(verts_.place(e.a)), b = to_id<VertId>(verts_.place(e.b));
+        if (band_.mesh.features.find(a, b) != nullptr) return;
+        band_.mesh.features.insert(a, b, e.ref, e.ridge);
+        band_.features.push_back(e);
+      });
+    }
+  }
+
+  const TetMesh& m_;
+  const VertexAttributes& data_;
+  Surroundings near_;
+  int threads_;
+  Subset<TetId> tets_;
+  Subset<VertId> verts_;
+  Band band_;
+};
 
 /// Puts a band back; the steps share the numbers of what comes in.
 class Return {
  public:
-  Return(TetMesh& mesh, VertexAttributes& data, const Band& band) : m_(mesh), data_(data), band_(band), b_(band.mesh) {}
+  Return(TetMesh& mesh, VertexAttributes& data, const Band& band, int threads)
+      : m_(mesh), data_(data), band_(band), b_(band.mesh), threads_(threads) {}
 
   void run(const IdVector<VertId, VertId>& old2new) {
     for (const FeatureEdge& e : band_.features) m_.features.erase(e.a, e.b);
     place_vertices(old2new);
     place_tets();
-    close_seam();
     for (const FeatureEdge& e : b_.features.list()) m_.features.insert(vert_[e.a], vert_[e.b], e.ref, e.ridge);
     fill_free_places();
   }
@@ -90,14 +162,22 @@ class Return {
     for (std::size_t i = places; i < n; ++i) tet_[to_id<TetId>(i)] = to_id<TetId>(m_.tet_slots() + i - places);
     free_tets_.assign(band_.tets.begin() + static_cast<std::ptrdiff_t>(places), band_.tets.end());
     resize_tets(m_, m_.tet_slots() + n - places);
-    for (const TetId t : IdRange<TetId>(n)) {
+    for (const VertId v : IdRange<VertId>(b_.vert_slots())) m_.vert2tet[vert_[v]] = tet_[b_.vert2tet[v]];
+    std::vector<std::vector<FaceId>> open(static_cast<std::size_t>(threads_));
+    in_parallel(threads_, [&](int w) { place_tets(w, open[static_cast<std::size_t>(w)]); });
+    close_seam(open);
+  }
+
+  /// Thread w's share. `open`: faces without a neighbour.
+  void place_tets(int w, std::vector<FaceId>& open) {
+    const std::size_t n = b_.tet_slots();
+    for (const TetId t : IdRange<TetId>(share_begin(n, w, threads_), share_begin(n, w + 1, threads_))) {
       const TetId to = tet_[t];
       for (std::size_t k = 0; k < 4; ++k) {
-        const VertId v = vert_[b_.tet2vert[t][k]];
-        m_.tet2vert[to][k] = v;
-        m_.vert2tet[v] = to;
+        m_.tet2vert[to][k] = vert_[b_.tet2vert[t][k]];
         const FaceId f = b_.tet2face[t][k];
         m_.tet2face[to][k] = f == kNoFace ? kNoFace : make_face(tet_[face_tet(f)], face_side(f));
+        if (f == kNoFace && !is_hull(b_.face_tag[t][k])) open.push_back(make_face(to, static_cast<int>(k)));
       }
       m_.face_tag[to] = b_.face_tag[t];
       m_.tet_ref[to] = b_.tet_ref[t];
@@ -106,20 +186,16 @@ class Return {
 
   /// Links the faces of the rest with those of the band. Faces of the band without a partner are on the interface
   /// between ranks.
-  void close_seam() {
+  void close_seam(const std::vector<std::vector<FaceId>>& open) {
     std::vector<FaceId> sides = band_.seam;
-    for (const TetId t : tet_) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k]))
-          sides.push_back(make_face(t, static_cast<int>(k)));
-      }
-    }
+    for (const auto& faces : open) sides.insert(sides.end(), faces.begin(), faces.end());
     link_equal_faces(m_, sides);
   }
 
   void fill_free_places() {
     fill_free_tets(m_, free_tets_);
-    const MovedVerts now = fill_free_verts(m_, free_verts_, [&](VertId from, VertId to) { data_.move(from, to); });
+    const MovedVerts now = fill_free_verts(
+        m_, free_verts_, [&](VertId from, VertId to) { data_.move(from, to); }, threads_);
     data_.resize(m_.vert_slots());
     for (auto& v : data_.kept()) v = now(v);
   }
@@ -128,6 +204,7 @@ class Return {
   VertexAttributes& data_;
   const Band& band_;
   const TetMesh& b_;
+  int threads_;
   IdVector<VertId, VertId> vert_;  ///< of the band -> of the rank
   IdVector<TetId, TetId> tet_;
   std::vector<VertId> free_verts_;  ///< ascending
@@ -138,9 +215,9 @@ class Return {
 class RankVertices final : public VertexAttributes {
  public:
   explicit RankVertices(DistMesh& dist) : dist_(dist) {}
-  void append_metric(VertId v, MetricField& to) const override {
-    const double* d = dist_.data.at(v);
-    to.push_back_log({d[0], d[1], d[2], d[3], d[4], d[5]});
+  void copy_metric(VertId from, MetricField& field, VertId to) const override {
+    const double* d = dist_.data.at(from);
+    field.set_log(to, {d[0], d[1], d[2], d[3], d[4], d[5]});
   }
   void reserve(std::size_t n) override {
     reserve_with_slack(dist_.vert2gid, n);
@@ -169,80 +246,31 @@ class RankVertices final : public VertexAttributes {
 
 }  // namespace
 
-std::vector<VertId> active_near(const TetMesh& m, const std::vector<VertId>& verts, int layers) {
-  Surroundings near(m, verts);
-  for (int l = 0; l < layers; ++l) {
-    near.add_tets();
-    near.add_vertices();
-  }
-  std::vector<VertId> out;
-  std::copy_if(near.verts().begin(), near.verts().end(), std::back_inserter(out),
-               [&](VertId v) { return m.has(v, kActive); });
-  return out;
+Band cut_band(const TetMesh& mesh, const VertexAttributes& data, Surroundings near, int threads) {
+  return Cut(mesh, data, std::move(near), threads).run();
 }
 
-Band cut_band(DistMesh& dist, const std::vector<VertId>& active, int layers) {
-  return cut_band(dist.mesh, RankVertices(dist), active, layers);
-}
-
-Band cut_band(DistMesh& dist, int layers) {
+Band cut_band(DistMesh& dist, int layers, int threads) {
   std::vector<VertId> active;
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     if (dist.mesh.has(v, kActive)) active.push_back(v);
   }
-  return cut_band(dist, active, layers);
-}
-
-void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new) {
-  RankVertices data(dist);
-  put_back(dist.mesh, data, band, old2new);
-}
-
-Band cut_band(const TetMesh& m, const VertexAttributes& data, const std::vector<VertId>& active, int layers) {
-  Surroundings near(m, active);
+  Surroundings near(dist.mesh, std::move(active));
   for (int l = 0; l < layers; ++l) {
     near.add_tets();
     near.add_vertices();
   }
-  near.add_tets();
-  Band band;
-  band.tets = near.tets();
-  const auto tet2band = std::make_unique_for_overwrite<TetId[]>(m.tet_slots());  // of what is inside
-  for (std::size_t i = 0; i < band.tets.size(); ++i) tet2band[idx(band.tets[i])] = to_id<TetId>(i);
-  IdVector<VertId, VertId> vert2band(m.vert_slots(), kNoVert);
-  TetMesh& b = band.mesh;
-  b.reserve(2 * near.verts().size(), band.tets.size());
-  band.metric.reserve(2 * near.verts().size());
-  for (const TetId t : band.tets) {
-    std::array<VertId, 4> tv;
-    std::array<FaceId, 4> tf;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const VertId v = m.tet2vert[t][k];
-      if (vert2band[v] == kNoVert) {
-        vert2band[v] = b.coords.end_id();
-        // A tetrahedron outside has no vertex near an active one, so whatever it shares with the band is frozen.
-        cut_vertex(m, data, v, near.has(v), band);
-      }
-      tv[k] = vert2band[v];
-      const FaceId f = m.tet2face[t][k];
-      const TetId other = f == kNoFace || !near.has(face_tet(f)) ? kNoTet : tet2band[idx(face_tet(f))];
-      if (f != kNoFace && other == kNoTet) band.seam.push_back(f);
-      tf[k] = other == kNoTet ? kNoFace : make_face(other, face_side(f));
-    }
-    const TetId bt = b.tet2vert.push_back(tv);
-    b.tet2face.push_back(tf);
-    for (const VertId v : tv) b.vert2tet[v] = bt;
-    b.face_tag.push_back(m.face_tag[t]);
-    b.tet_ref.push_back(m.tet_ref[t]);
-    if (m.features.size() != 0) cut_features(m, t, vert2band, band);
-  }
-  for (const VertId v : active) b.vert_flags[vert2band[v]] |= kActive;
-  b.patch_ref = m.patch_ref;
-  return band;
+  return cut_band(dist.mesh, RankVertices(dist), std::move(near), threads);
 }
 
-void put_back(TetMesh& mesh, VertexAttributes& data, const Band& band, const IdVector<VertId, VertId>& old2new) {
-  Return(mesh, data, band).run(old2new);
+void put_back(TetMesh& mesh, VertexAttributes& data, const Band& band, const IdVector<VertId, VertId>& old2new,
+              int threads) {
+  Return(mesh, data, band, threads).run(old2new);
+}
+
+void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new, int threads) {
+  RankVertices data(dist);
+  put_back(dist.mesh, data, band, old2new, threads);
 }
 
 }  // namespace skein

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kernel/part.hpp"
+#include "mesh/surroundings.hpp"
 #include "partition/dist_mesh.hpp"
 
 namespace skein {
@@ -22,8 +23,8 @@ struct Band {
 class VertexAttributes {
  public:
   virtual ~VertexAttributes() = default;
-  /// Appends the metric of vertex v.
-  virtual void append_metric(VertId v, MetricField& to) const = 0;
+  /// Gives vertex `to` of a field the metric of vertex `from`. Several threads may call it at once.
+  virtual void copy_metric(VertId from, MetricField& field, VertId to) const = 0;
   virtual void reserve(std::size_t n) = 0;
   virtual void resize(std::size_t n) = 0;
   /// Vertex `to` is a new one now, with the metric of vertex `from` of the band.
@@ -34,22 +35,20 @@ class VertexAttributes {
   virtual std::span<VertId> kept() = 0;
 };
 
-/// The kActive vertices within `layers` edges of the given ones.
-std::vector<VertId> active_near(const TetMesh& mesh, const std::vector<VertId>& verts, int layers);
-
-/// Cuts out all tetrahedra within `layers` edges of the active vertices, in their order; there, only these are kActive.
-/// The rank's mesh stays as it is. The cost grows with the band, but for a byte per tetrahedron and four per vertex.
-/// Not collective. @pre the mesh is compact, and its data begins with the log-metric.
-Band cut_band(DistMesh& dist, const std::vector<VertId>& active, int layers);
-Band cut_band(const TetMesh& mesh, const VertexAttributes& data, const std::vector<VertId>& active, int layers);
-/// The same round all kActive vertices of the rank's mesh.
-Band cut_band(DistMesh& dist, int layers);
+/// Cuts out all tetrahedra at the vertices of `near`, in their order; there, of the kActive vertices only those of
+/// `near` are active. The mesh stays as it is. The cost grows with the band, but for two bytes per tetrahedron and
+/// vertex. Not collective. @pre the mesh is compact
+Band cut_band(const TetMesh& mesh, const VertexAttributes& data, Surroundings near, int threads);
+/// The same within `layers` edges of all kActive vertices of a rank's mesh; only these are active.
+/// @pre the data begins with the log-metric
+Band cut_band(DistMesh& dist, int layers, int threads = 1);
 
 /// Puts an adapted band in the place of the one that was cut. `old2new` follows the band's vertices that were frozen
 /// (adapt_local). Vertices of the rest and frozen ones keep their global ids, all others get kNoGlobal. The result is
 /// compact; numbers that are free are filled from the end, and dist.sharing follows. Not collective.
 /// @pre dist is as it was when the band was cut; the band is compact.
-void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new);
-void put_back(TetMesh& mesh, VertexAttributes& data, const Band& band, const IdVector<VertId, VertId>& old2new);
+void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new, int threads = 1);
+void put_back(TetMesh& mesh, VertexAttributes& data, const Band& band, const IdVector<VertId, VertId>& old2new,
+              int threads);
 
 }  // namespace skein

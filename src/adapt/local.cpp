@@ -10,18 +10,21 @@
 #include "mesh/assert.hpp"
 #include "mesh/check.hpp"
 #include "mesh/parallel.hpp"
+#include "metric/measure.hpp"
 
 namespace skein {
 namespace {
 
-constexpr int kActiveLayers = 1;         ///< round old interfaces that are worked on again
-constexpr int kMargin = 0;               ///< layers round these that cavities may reach into
+constexpr double kGoodQuality = 0.8;     ///< of elements beside old interfaces that need no more work
 constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which threads do not pay
 
-IdVector<VertId, VertId> run(Part& part, const LocalOptions& o) {
+void set_up(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
   part.spacing = o.spacing;
   prepare(part);
+}
+
+IdVector<VertId, VertId> run(Part& part) {
   auto old2new = adapt_part(part);
   SKEIN_ASSERT_NO_FAULT_AT(3, check(part.mesh));
   return old2new;
@@ -39,7 +42,8 @@ void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalR
   Part part;
   part.mesh = std::move(mesh);
   part.metric = std::move(metric);
-  const auto adapted = run(part, o);
+  set_up(part, o);
+  const auto adapted = run(part);
   result.counts += part.counts;
   result.hard = part.hard;
   mesh = std::move(part.mesh);
@@ -100,21 +104,24 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   in_parallel(o.threads, [&](int b) {
     Block& block = of(blocks, b);
     block = cut_block(mesh, metric, label, between, b);
-    block.part.options = o.kernel;
-    block.part.spacing = o.spacing;
-    prepare(block.part);
+    set_up(block.part, o);
     of(refined, b) = refine_block_interface(block) ? 1 : 0;
   });
   const std::size_t old_verts = mesh.vert_slots();
   const bool coarse = std::find(refined.begin(), refined.end(), 0) != refined.end();  // all or none
-  if (coarse) in_parallel(o.threads, [&](int b) { of(blocks, b) = cut_block(mesh, metric, label, between, b); });
+  if (coarse) {
+    in_parallel(o.threads, [&](int b) {
+      of(blocks, b) = cut_block(mesh, metric, label, between, b);
+      set_up(of(blocks, b).part, o);
+    });
+  }
   const auto points = static_cast<std::size_t>(expected_points(mesh, metric));
   mesh = TetMesh{};
   metric = MetricField{};
   in_parallel(o.threads, [&](int b) {
     Block& block = of(blocks, b);
     if (b == 0) reserve(block.part, points);  // the others are put behind the first in the end
-    seal_block(block, run(block.part, o));
+    seal_block(block, run(block.part));
   });
   for (const Block& b : blocks) {
     result.counts += b.part.counts;
@@ -133,9 +140,9 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
 class LocalVertices final : public VertexAttributes {
  public:
   LocalVertices(MetricField& metric, std::span<VertId> frozen) : metric_(metric), frozen_(frozen) {}
-  void append_metric(VertId v, MetricField& to) const override {
-    to.at.push_back(metric_.at[v]);
-    to.log_at.push_back(metric_.log_at[v]);
+  void copy_metric(VertId from, MetricField& field, VertId to) const override {
+    field.at[to] = metric_.at[from];
+    field.log_at[to] = metric_.log_at[from];
   }
   void reserve(std::size_t n) override { metric_.reserve(n); }
   void resize(std::size_t n) override {
@@ -157,6 +164,13 @@ class LocalVertices final : public VertexAttributes {
   std::span<VertId> frozen_;
 };
 
+double quality_cubed(const TetMesh& mesh, const MetricField& metric, TetId t) noexcept {
+  const auto& [a, b, c, d] = mesh.tet2vert[t];
+  const auto& x = mesh.coords;
+  const auto& m = metric.at;
+  return quality_cubed(x[a], x[b], x[c], x[d], m[a], m[b], m[c], m[d]);
+}
+
 /// Works on what the interfaces between blocks have held back: the band round them is cut out, adapted and put back.
 void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& between, const LocalOptions& o,
                  LocalResult& result) {
@@ -170,13 +184,17 @@ void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& 
     if (mesh.has(v, kHeld)) held.push_back(v);
   }
   LocalVertices data(metric, frozen);
-  Band band = cut_band(mesh, data, active_near(mesh, held, kActiveLayers), kMargin);
+  Surroundings near(mesh, std::move(held));
+  // One vertex further, but where everything is well already.
+  near.add_tets();
+  near.add_vertices([&](TetId t) { return quality_cubed(mesh, metric, t) < cube(kGoodQuality); });
+  Band band = cut_band(mesh, data, std::move(near), o.threads);
   LocalOptions of_band = o;
   of_band.kernel.only_held = true;
   if (2 * band.mesh.tet_slots() > mesh.tet_slots()) of_band.threads = 1;
   const LocalResult r = adapt_local(band.mesh, band.metric, of_band);
   result.counts += r.counts;
-  put_back(mesh, data, band, r.old2new);
+  put_back(mesh, data, band, r.old2new, o.threads);
   auto next = frozen.begin();
   for (VertId& v : result.old2new) {
     if (v != kNoVert) v = *next++;

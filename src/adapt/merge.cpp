@@ -1,10 +1,11 @@
 // Joining blocks.
 #include <algorithm>
 #include <array>
+#include <tuple>
 
 #include "adapt/blocks.hpp"
 #include "adapt/gaps.hpp"
-#include "mesh/adjacency.hpp"
+#include "mesh/holes.hpp"
 #include "mesh/parallel.hpp"
 
 namespace skein {
@@ -157,17 +158,12 @@ class Joiner {
     first_tets_ = blocks_[0].part.mesh.tet_slots();
     out_.mesh = std::move(blocks_[0].part.mesh);
     out_.metric = std::move(blocks_[0].part.metric);
-    const auto grow = [&](auto& v, std::size_t n) { grow_in_parallel(v.raw(), n, threads_); };
-    grow(out_.mesh.coords, nv);
-    grow(out_.mesh.vert_ref, nv);
-    grow(out_.mesh.vert_flags, nv);
-    grow(out_.mesh.vert2tet, nv);
-    grow(out_.metric.at, nv);
-    grow(out_.metric.log_at, nv);
-    grow(out_.mesh.tet2vert, nt);
-    grow(out_.mesh.tet2face, nt);
-    grow(out_.mesh.face_tag, nt);
-    grow(out_.mesh.tet_ref, nt);
+    TetMesh& m = out_.mesh;
+    grow_in_parallel(threads_, std::tie(m.tet2vert.raw(), m.tet2face.raw(), m.face_tag.raw(), m.tet_ref.raw()), nt);
+    grow_in_parallel(threads_,
+                     std::tie(out_.metric.at.raw(), out_.metric.log_at.raw(), m.coords.raw(), m.vert2tet.raw(),
+                              m.vert_ref.raw(), m.vert_flags.raw()),
+                     nv);
   }
 
   /// Thread w's share of the vertices of every block but the first.
@@ -229,26 +225,9 @@ class Joiner {
   }
 
   void match_faces(const std::vector<std::vector<FaceId>>& open) {
-    struct Key {
-      std::array<VertId, 3> v;
-      FaceId f;
-      bool operator<(const Key& o) const noexcept { return v != o.v ? v < o.v : f < o.f; }
-    };
-    std::vector<Key> keys;
-    for (const auto& faces : open) {
-      for (const FaceId f : faces) {
-        auto v = face_verts(out_.mesh, f);
-        std::sort(v.begin(), v.end());
-        keys.push_back({v, f});
-      }
-    }
-    std::sort(keys.begin(), keys.end());
-    for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
-      if (keys[i].v != keys[i + 1].v) continue;
-      const FaceId f = keys[i].f, g = keys[i + 1].f;
-      out_.mesh.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g;
-      out_.mesh.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
-    }
+    std::vector<FaceId> all;
+    for (const auto& faces : open) all.insert(all.end(), faces.begin(), faces.end());
+    link_equal_faces(out_.mesh, all);
   }
 
   std::vector<Block>& blocks_;

@@ -12,8 +12,6 @@ constexpr double kVeryPoor = 0.35;   ///< quality below which steps along axes a
 constexpr double kRelaxFloor = 0.4;  ///< quality below which no element gets worse when edges are relaxed
 constexpr int kRelaxTurns = 4, kTurns = 8, kCarefulTurns = 20, kTries = 3;
 
-constexpr double cube(double q) noexcept { return q * q * q; }
-
 }  // namespace
 
 void Hunter::note_changes(Pass hunt) {

@@ -40,8 +40,6 @@ constexpr std::array<double, 5> kOtherPlaces{0.5, 0.35, 0.65, 0.2, 0.8};
 constexpr double kBadQuality = 0.3, kBadLong = 2, kBadShort = 0.4;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
 
-constexpr double cube(double q) noexcept { return q * q * q; }
-
 /// One worker's operators and its sweeps over what is dirty.
 class Passes {
  public:

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "mesh/parallel.hpp"
+
 namespace skein {
 namespace {
 
@@ -29,18 +31,20 @@ void move_tet(TetMesh& m, TetId from, TetId to) {
 
 void link_equal_faces(TetMesh& m, std::span<const FaceId> faces) {
   struct Side {
-    std::array<VertId, 3> v;
+    std::int64_t low;  ///< the two vertices with the lowest numbers in one
+    VertId high;
     FaceId face;
+    auto operator<=>(const Side&) const = default;
   };
   std::vector<Side> sides(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    sides[i] = {face_verts(m, faces[i]), faces[i]};
-    std::sort(sides[i].v.begin(), sides[i].v.end());
+    auto v = face_verts(m, faces[i]);
+    std::sort(v.begin(), v.end());
+    sides[i] = {std::int64_t{num(v[0])} << 32 | num(v[1]), v[2], faces[i]};
   }
-  std::sort(sides.begin(), sides.end(),
-            [](const Side& a, const Side& b) { return a.v != b.v ? a.v < b.v : a.face < b.face; });
+  std::sort(sides.begin(), sides.end());
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    if (sides[i].v != sides[i + 1].v) continue;
+    if (sides[i].low != sides[i + 1].low || sides[i].high != sides[i + 1].high) continue;
     link_faces(m, sides[i].face, sides[i + 1].face);
     ++i;
   }
@@ -65,12 +69,15 @@ void fill_free_tets(TetMesh& m, const std::vector<TetId>& free) {
   resize_tets(m, fill_holes(free, m.tet_slots(), [&](TetId from, TetId to) { move_tet(m, from, to); }));
 }
 
-void follow(TetMesh& m, const MovedVerts& now) {
-  for (auto& tv : m.tet2vert) {
-    for (auto& v : tv) {
-      if (now.moves(v)) v = now(v);
+void follow(TetMesh& m, const MovedVerts& now, int threads) {
+  const std::size_t n = m.tet_slots();
+  in_parallel(threads, [&](int w) {
+    for (const TetId t : IdRange<TetId>(share_begin(n, w, threads), share_begin(n, w + 1, threads))) {
+      for (auto& v : m.tet2vert[t]) {
+        if (now.moves(v)) v = now(v);
+      }
     }
-  }
+  });
   const std::vector<FeatureEdge> edges = m.features.list();
   for (const FeatureEdge& e : edges) {
     if (!now.moves(e.a) && !now.moves(e.b)) continue;

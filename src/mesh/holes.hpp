@@ -65,12 +65,12 @@ class MovedVerts {
 };
 
 /// Part of fill_free_verts: tetrahedra and feature edges take the vertices' new numbers.
-void follow(TetMesh& m, const MovedVerts& now);
+void follow(TetMesh& m, const MovedVerts& now, int threads);
 
 /// Takes out the vertices `free` (ascending), at which there are no tetrahedra. Tetrahedra and feature edges follow
 /// those that move; what else belongs to the vertices moves in `also`, a function (from, to).
 template <class Also>
-MovedVerts fill_free_verts(TetMesh& m, const std::vector<VertId>& free, Also&& also) {
+MovedVerts fill_free_verts(TetMesh& m, const std::vector<VertId>& free, Also&& also, int threads = 1) {
   MovedVerts now(m.vert_slots() - free.size(), free.size());
   const std::size_t n = fill_holes(free, m.vert_slots(), [&](VertId from, VertId to) {
     m.coords[to] = m.coords[from];
@@ -80,7 +80,7 @@ MovedVerts fill_free_verts(TetMesh& m, const std::vector<VertId>& free, Also&& a
     also(from, to);
     now.set(from, to);
   });
-  if (!free.empty()) follow(m, now);
+  if (!free.empty()) follow(m, now, threads);
   resize_verts(m, n);
   return now;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <exception>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -42,20 +43,33 @@ constexpr int threads_for(std::size_t n, int threads) noexcept {
   return n / kEnough >= static_cast<std::size_t>(threads) ? threads : std::max(1, static_cast<int>(n / kEnough));
 }
 
-/// Grows v to n items. A page of memory costs more when it is touched for the first time than when it is filled, so the
-/// threads touch them all first.
-template <class T>
-void grow_in_parallel(std::vector<T>& v, std::size_t n, int threads) {
+/// Grows some vectors to n items each. A page of memory costs more when it is touched for the first time than when it
+/// is filled, so the threads touch them all first, then each clears whole vectors.
+template <class... T>
+void grow_in_parallel(int threads, std::tuple<std::vector<T>&...> vectors, std::size_t n) {
   constexpr std::size_t kPage = 4096;
-  if (n <= v.size()) return;
-  v.reserve(n);
-  auto* const begin = reinterpret_cast<volatile char*>(v.data() + v.size());
-  const std::size_t bytes = (n - v.size()) * sizeof(T);
-  in_parallel(threads, [&](int w) {
+  const auto touch = [&](auto& v, int w) {
+    if (n <= v.size()) return;
+    auto* const begin = reinterpret_cast<volatile char*>(v.data() + v.size());
+    const std::size_t bytes = (n - v.size()) * sizeof(v[0]);
     for (std::size_t i = share_begin(bytes, w, threads); i < share_begin(bytes, w + 1, threads); i += kPage)
       begin[i] = 0;
+  };
+  std::apply([&](auto&... v) { (v.reserve(n), ...); }, vectors);
+  in_parallel(threads, [&](int w) { std::apply([&](auto&... v) { (touch(v, w), ...); }, vectors); });
+  const int at_once = std::min(threads, static_cast<int>(sizeof...(T)));
+  in_parallel(at_once, [&](int w) {
+    int at = 0;
+    const auto clear = [&](auto& v) {
+      if (at++ % at_once == w && n > v.size()) v.resize(n);
+    };
+    std::apply([&](auto&... v) { (clear(v), ...); }, vectors);
   });
-  v.resize(n);
+}
+
+template <class T>
+void grow_in_parallel(std::vector<T>& v, std::size_t n, int threads) {
+  grow_in_parallel(threads, std::tie(v), n);
 }
 
 }  // namespace skein

@@ -74,8 +74,14 @@ class Surroundings {
   }
   /// All vertices of the tetrahedra so far.
   void add_vertices() {
+    add_vertices([](TetId) { return true; });
+  }
+  /// All vertices of those among the latest tetrahedra that are wanted(t).
+  template <class Wanted>
+  void add_vertices(Wanted&& wanted) {
     const std::size_t begin = newest_tet_;
     for (newest_tet_ = tets_.size(), next_tet_ = begin; next_tet_ < newest_tet_; ++next_tet_) {
+      if (!wanted(tets_[next_tet_])) continue;
       for (const VertId v : m_.tet2vert[tets_[next_tet_]]) {
         if (seen_[v] != 0) continue;
         seen_[v] = 1;

@@ -42,6 +42,9 @@ inline double edge_length(const SymTensor& a, const SymTensor& b, Vec3 e) noexce
   return log_mean(std::sqrt(quad(a, e)), std::sqrt(quad(b, e)));
 }
 
+/// What quality_cubed gives for quality q.
+constexpr double cube(double q) noexcept { return q * q * q; }
+
 /// Q^3 of the tetrahedron x0..x3 with vertex metrics m0..m3, Q the metric mean ratio
 /// Q = 36/3^(1/3) (V sqrt(det M))^(2/3) / sum over edges of e'Me, M the vertex metric of largest determinant.
 /// The cube needs no root; 1 for the unit tetrahedron, negative when it is inverted.
