@@ -47,6 +47,20 @@ Span map_span(std::size_t bytes) noexcept {
   return {begin, bytes};
 }
 
+/// Moves large pages to another place in the address space, which costs next to nothing; where that cannot be, new ones
+/// take their place.
+void move_pages(char* from, char* to, std::size_t bytes) noexcept {
+  if (mremap(from, bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED, to) != MAP_FAILED) return;
+  if (bytes > kLargePage) {  // some of them have been moved before
+    const std::size_t half = rounded_up(bytes / 2, kLargePage);
+    move_pages(from, to, half);
+    move_pages(from + half, to + half, bytes - half);
+    return;
+  }
+  munmap(from, bytes);
+  mmap(to, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+}
+
 /// The spans in use, by where they begin, in an open table with room for far more than a process has at a time.
 class UsedSpans {
  public:
@@ -87,7 +101,8 @@ class UsedSpans {
 
 /// All large blocks of the process. Touching new memory costs far more than using old memory again, and arrays of like
 /// sizes come and go with every step. So what is freed is kept for the next block, up to an eighth of the most that was
-/// ever in use, and as long as both together stay within that most.
+/// ever in use, and as long as both together stay within that most. Where no spare block is large enough, pages of
+/// several are moved together.
 class LargeBlocks {
  public:
   /// nullptr if there is no room for it.
@@ -99,6 +114,7 @@ class LargeBlocks {
     if (s.begin == nullptr) {
       while (n_spare_ > 0 && in_use_ + bytes + spare_ > most_) drop_spare(0);
       s = map_span(bytes);
+      if (s.begin != nullptr) fill_from_spares(s);
     }
     if (s.begin == nullptr) return nullptr;
     in_use_ += s.bytes, most_ = std::max(most_, in_use_);
@@ -135,6 +151,23 @@ class LargeBlocks {
       s.bytes = own;
     }
     return s;
+  }
+  /// Gives the first part of a new span, which is used in any case, the pages of spare ones.
+  void fill_from_spares(Span s) noexcept {
+    const std::size_t most = s.bytes / 3 * 2;
+    for (std::size_t filled = 0; n_spare_ > 0 && most - filled >= kLargePage;) {
+      const Span spare = spares_[n_spare_ - 1];
+      const std::size_t n = std::min(spare.bytes, most - filled) / kLargePage * kLargePage;
+      remove_spare(n_spare_ - 1);
+      if (n > 0) move_pages(spare.begin, s.begin + filled, n);
+      filled += n;
+      const Span rest{spare.begin + n, spare.bytes - n};
+      if (rest.bytes >= kLargePage) {
+        keep(rest);
+        return;
+      }
+      if (rest.bytes > 0) munmap(rest.begin, rest.bytes);
+    }
   }
   void keep(Span s) noexcept {
     if (n_spare_ == kSpares) drop_spare(0);

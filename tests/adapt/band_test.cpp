@@ -32,18 +32,20 @@ Items tets_beyond(const Comm& comm, DistMesh& dist, double from) {
 
 TEST(Band, ComesBackAsItWasCut) {
   const Comm& comm = world();
-  DistMesh dist = make(comm, 0.1);
-  const Content before = content(comm, to_slices(comm, dist));
-  const Band band = cut_band(dist, 1);
-  EXPECT_EQ(check(band.mesh), "");
-  EXPECT_LT(band.mesh.tet_slots(), dist.mesh.tet_slots() + (comm.size() > 1 ? 1 : 0));
-  IdVector<VertId, VertId> old2new(band.mesh.vert_slots(), kNoVert);
-  for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = band.mesh.has(v, kFrozen) ? v : kNoVert;
-  put_back(dist, band, old2new);
-  number_new_vertices(comm, dist);
-  EXPECT_NO_THROW(reconcile(comm, dist));
-  EXPECT_EQ(check(dist.mesh), "");
-  EXPECT_EQ(content(comm, to_slices(comm, dist)), before);
+  for (const int threads : {1, 3}) {
+    DistMesh dist = make(comm, 0.1);
+    const Content before = content(comm, to_slices(comm, dist));
+    const Band band = cut_band(dist, 1, threads);
+    EXPECT_EQ(check(band.mesh), "");
+    EXPECT_LT(band.mesh.tet_slots(), dist.mesh.tet_slots() + (comm.size() > 1 ? 1 : 0));
+    IdVector<VertId, VertId> old2new(band.mesh.vert_slots(), kNoVert);
+    for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = band.mesh.has(v, kFrozen) ? v : kNoVert;
+    put_back(dist, band, old2new, threads);
+    number_new_vertices(comm, dist);
+    EXPECT_NO_THROW(reconcile(comm, dist));
+    EXPECT_EQ(check(dist.mesh), "");
+    EXPECT_EQ(content(comm, to_slices(comm, dist)), before);
+  }
 }
 
 TEST(Band, BringsBackWhatIsHeld) {
@@ -75,9 +77,10 @@ TEST(Band, MayGrowAndShrink) {
     const Items rest = tets_beyond(comm, dist, 0.75);
     const std::int64_t tets = dist.global_tets;
     constexpr int kMargin = 2;  // of cells of 0.1: nothing beyond 0.4 + 0.3 belongs to the band
-    Band band = cut_band(dist, kMargin);
+    const int threads = h < 0.1 ? 3 : 2;
+    Band band = cut_band(dist, kMargin, threads);
     const LocalResult r = adapt_local(band.mesh, band.metric, {});
-    put_back(dist, band, r.old2new);
+    put_back(dist, band, r.old2new, threads);
     number_new_vertices(comm, dist);
     EXPECT_NO_THROW(reconcile(comm, dist));
     EXPECT_EQ(check(dist.mesh), "");

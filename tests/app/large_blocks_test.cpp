@@ -2,6 +2,8 @@
 #include "app/large_blocks.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -69,6 +71,33 @@ TEST(LargeBlocks, AreAligned) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these end the program
+/// Share of a block's pages that are in memory.
+double resident(const std::vector<char>& block) {
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(block.data()) / page * page;
+  std::vector<unsigned char> in_memory((block.capacity() + page - 1) / page);
+  EXPECT_EQ(mincore(reinterpret_cast<void*>(begin), block.capacity(), in_memory.data()), 0);
+  const auto n = std::count_if(in_memory.begin(), in_memory.end(), [](unsigned char c) { return (c & 1) != 0; });
+  return static_cast<double>(n) / static_cast<double>(in_memory.size());
+}
+
+TEST(LargeBlocks, TakeThePagesOfSmallerOnesThatAreGone) {
+  constexpr std::size_t kMega = std::size_t{1} << 20;
+  std::vector<char> most;
+  most.reserve(400 * kMega);  // so much may be kept of it later, untouched as it is
+  { std::vector<char>().swap(most); }
+  std::vector<std::vector<char>> small;
+  for (int i = 0; i < 4; ++i) small.emplace_back(10 * kMega, 'x');
+  small.clear();
+  std::vector<char> large;
+  large.reserve(45 * kMega);
+  const double there = resident(large);
+  EXPECT_GT(there, 0.5);
+  EXPECT_LT(there, 0.75);  // the rest comes when it is touched
+  large.assign(45 * kMega, 'y');
+  EXPECT_EQ(std::count(large.begin(), large.end(), 'y'), std::ssize(large));
+}
+
 TEST(LargeBlocks, MoreThanCanBeIsAnError) { EXPECT_THROW(std::vector<char>(std::size_t{1} << 60), std::bad_alloc); }
 #endif
 

@@ -218,5 +218,27 @@ RC_GTEST_PROP(Surroundings, AreAllWithinSoManyLayers, ()) {
   }
 }
 
+TEST(Surroundings, MayGrowByTheVerticesOfSomeTetrahedra) {
+  MeshSpec spec;
+  spec.n = 4;
+  const TetMesh m = make_mesh(spec);
+  const VertId seed = m.tet2vert[to_id<TetId>(m.tet_slots() / 2)][0];
+  const auto wanted = [](TetId t) { return num(t) % 2 == 0; };
+  std::vector<char> expected(m.vert_slots(), 0);
+  expected[idx(seed)] = 1;
+  std::size_t unwanted = 0;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    const auto& v = m.tet2vert[t];
+    if (std::find(v.begin(), v.end(), seed) == v.end()) continue;
+    if (!wanted(t)) ++unwanted;
+    for (const VertId w : v) expected[idx(w)] |= wanted(t) ? 1 : 0;
+  }
+  ASSERT_GT(unwanted, 0u);
+  Surroundings near(m, {seed});
+  near.add_tets();
+  near.add_vertices(wanted);
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) EXPECT_EQ(near.has(v), expected[idx(v)] != 0);
+}
+
 }  // namespace
 }  // namespace skein::test
