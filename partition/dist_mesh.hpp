@@ -7,6 +7,7 @@
 #include "comm/halo.hpp"
 #include "mesh/ids.hpp"
 #include "mesh/tet_mesh.hpp"
+#include "metric/tensor.hpp"
 
 namespace skein {
 
@@ -33,5 +34,11 @@ struct DistMesh {
   std::int64_t global_verts = 0;  ///< over all ranks, shared ones once
   std::int64_t global_tets = 0;
 };
+
+/// The log-metric at a vertex. @pre the data begins with it
+inline SymTensor log_metric_at(const DistMesh& dist, VertId v) noexcept {
+  const double* d = dist.data.at(v);
+  return {d[0], d[1], d[2], d[3], d[4], d[5]};
+}
 
 }  // namespace skein

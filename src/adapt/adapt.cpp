@@ -29,7 +29,7 @@ namespace {
 
 constexpr double kGrowth = 8;         ///< elements out of one in a step of growth
 constexpr int kMostSteps = 10;        ///< of growth
-constexpr int kTurnsAfterGrowth = 3;  ///< of the main passes, in parts of a mesh that is unit in another metric already
+constexpr int kTurnsAfterGrowth = 4;  ///< of the main passes, in parts of a mesh that is unit in another metric already
 constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
 constexpr double kImbalance = 0.03;      ///< to which the numbers of tetrahedra of the result are brought ...
 constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good already
@@ -42,11 +42,10 @@ constexpr int kMargin = 0;               ///< layers round these that cavities m
 MetricField metric_from_data(const DistMesh& dist) {
   MetricField f;
   const std::size_t n = dist.mesh.vert_slots();
-  f.reserve(n);
-  for (const VertId v : IdRange<VertId>(n)) {
-    const double* d = dist.data.at(v);
-    f.push_back_log({d[0], d[1], d[2], d[3], d[4], d[5]});
-  }
+  f.log_at.reserve(n);
+  for (const VertId v : IdRange<VertId>(n)) f.log_at.push_back(log_metric_at(dist, v));
+  f.at.resize(n);
+  f.measure(VertId{0}, n);
   return f;
 }
 
@@ -238,7 +237,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   if (comm.size() > 1) cut_parts(comm, dist, parts, local);
   finish();
   LocalOptions first = local;
-  if (grown && parts > 1) first.kernel.least_turns = kTurnsAfterGrowth;
+  if (grown) first.kernel.least_turns = kTurnsAfterGrowth;
   bool hard = false;
   const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] {
     const LocalResult r = adapt_rank(dist, first);

@@ -55,15 +55,16 @@ class Cut {
   }
 
   void place_vertices(int w) {
-    const std::size_t n = verts_.size();
-    for (const VertId to : IdRange<VertId>(share_begin(n, w, threads_), share_begin(n, w + 1, threads_))) {
+    const std::size_t n = verts_.size(), begin = share_begin(n, w, threads_), end = share_begin(n, w + 1, threads_);
+    data_.copy_metrics(std::span<const VertId>(band_.to_rank.raw()).subspan(begin, end - begin), band_.metric,
+                       to_id<VertId>(begin));
+    for (const VertId to : IdRange<VertId>(begin, end)) {
       const VertId v = band_.to_rank[to];
       band_.mesh.coords[to] = m_.coords[v];
       band_.mesh.vert_ref[to] = m_.vert_ref[v];
       // A tetrahedron outside has no vertex that is in near_, so whatever it shares with the band is frozen.
       const unsigned flags = near_.has(v) ? m_.vert_flags[v] : (m_.vert_flags[v] & ~kActive) | kFrozen;
       band_.mesh.vert_flags[to] = static_cast<std::uint8_t>(flags);
-      data_.copy_metric(v, band_.metric, to);
     }
   }
 
@@ -215,9 +216,10 @@ class Return {
 class RankVertices final : public VertexAttributes {
  public:
   explicit RankVertices(DistMesh& dist) : dist_(dist) {}
-  void copy_metric(VertId from, MetricField& field, VertId to) const override {
-    const double* d = dist_.data.at(from);
-    field.set_log(to, {d[0], d[1], d[2], d[3], d[4], d[5]});
+  void copy_metrics(std::span<const VertId> from, MetricField& field, VertId first) const override {
+    for (std::size_t i = 0; i < from.size(); ++i)
+      field.log_at[to_id<VertId>(idx(first) + i)] = log_metric_at(dist_, from[i]);
+    field.measure(first, from.size());
   }
   void reserve(std::size_t n) override {
     reserve_with_slack(dist_.vert2gid, n);

@@ -23,8 +23,9 @@ struct Band {
 class VertexAttributes {
  public:
   virtual ~VertexAttributes() = default;
-  /// Gives vertex `to` of a field the metric of vertex `from`. Several threads may call it at once.
-  virtual void copy_metric(VertId from, MetricField& field, VertId to) const = 0;
+  /// Gives the vertices of a field, from `first` on, the metrics of the vertices `from`. Several threads may call it at
+  /// once.
+  virtual void copy_metrics(std::span<const VertId> from, MetricField& field, VertId first) const = 0;
   virtual void reserve(std::size_t n) = 0;
   virtual void resize(std::size_t n) = 0;
   /// Vertex `to` is a new one now, with the metric of vertex `from` of the band.

@@ -5,8 +5,8 @@
 
 namespace skein {
 
-/// Takes the free slots out of mesh and metric. Where they are few, as after adaptation, what lies at the end moves into
-/// them, else all moves up, which keeps the order. Returns old vertex -> new vertex, kNoVert for free ones.
+/// Takes the free slots out of mesh and metric. Where they are few, as after adaptation, what lies at the end moves
+/// into them, else all moves up, which keeps the order. Returns old vertex -> new vertex, kNoVert for free ones.
 IdVector<VertId, VertId> close_gaps(TetMesh& mesh, MetricField& metric);
 
 }  // namespace skein

@@ -10,12 +10,11 @@
 #include "mesh/assert.hpp"
 #include "mesh/check.hpp"
 #include "mesh/parallel.hpp"
-#include "metric/measure.hpp"
+#include "partition/interface.hpp"
 
 namespace skein {
 namespace {
 
-constexpr double kGoodQuality = 0.8;     ///< of elements beside old interfaces that need no more work
 constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which threads do not pay
 
 void set_up(Part& part, const LocalOptions& o) {
@@ -140,36 +139,22 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
 class LocalVertices final : public VertexAttributes {
  public:
   LocalVertices(MetricField& metric, std::span<VertId> frozen) : metric_(metric), frozen_(frozen) {}
-  void copy_metric(VertId from, MetricField& field, VertId to) const override {
-    field.at[to] = metric_.at[from];
-    field.log_at[to] = metric_.log_at[from];
+  void copy_metrics(std::span<const VertId> from, MetricField& field, VertId first) const override {
+    for (std::size_t i = 0; i < from.size(); ++i) field.copy(metric_, from[i], to_id<VertId>(idx(first) + i));
   }
   void reserve(std::size_t n) override { metric_.reserve(n); }
   void resize(std::size_t n) override {
     metric_.at.resize(n);
     metric_.log_at.resize(n);
   }
-  void set(VertId to, const MetricField& metric, VertId from) override {
-    metric_.at[to] = metric.at[from];
-    metric_.log_at[to] = metric.log_at[from];
-  }
-  void move(VertId from, VertId to) override {
-    metric_.at[to] = metric_.at[from];
-    metric_.log_at[to] = metric_.log_at[from];
-  }
+  void set(VertId to, const MetricField& metric, VertId from) override { metric_.copy(metric, from, to); }
+  void move(VertId from, VertId to) override { metric_.copy(metric_, from, to); }
   std::span<VertId> kept() override { return frozen_; }
 
  private:
   MetricField& metric_;
   std::span<VertId> frozen_;
 };
-
-double quality_cubed(const TetMesh& mesh, const MetricField& metric, TetId t) noexcept {
-  const auto& [a, b, c, d] = mesh.tet2vert[t];
-  const auto& x = mesh.coords;
-  const auto& m = metric.at;
-  return quality_cubed(x[a], x[b], x[c], x[d], m[a], m[b], m[c], m[d]);
-}
 
 /// Works on what the interfaces between blocks have held back: the band round them is cut out, adapted and put back.
 void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& between, const LocalOptions& o,
@@ -187,7 +172,7 @@ void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& 
   Surroundings near(mesh, std::move(held));
   // One vertex further, but where everything is well already.
   near.add_tets();
-  near.add_vertices([&](TetId t) { return quality_cubed(mesh, metric, t) < cube(kGoodQuality); });
+  near.add_vertices([&](TetId t) { return !is_good(mesh, metric, t); });
   Band band = cut_band(mesh, data, std::move(near), o.threads);
   LocalOptions of_band = o;
   of_band.kernel.only_held = true;

@@ -1,6 +1,7 @@
 // MetricField: the metric at the vertices of a mesh, with its logarithm for interpolation.
 #pragma once
 #include "mesh/ids.hpp"
+#include "metric/batch.hpp"
 #include "metric/measure.hpp"
 #include "metric/tensor.hpp"
 
@@ -32,6 +33,17 @@ struct MetricField {
   void set_log(VertId v, const SymTensor& log_m) {
     log_at[v] = log_m;
     at[v] = vert_metric_from_log(log_m);
+  }
+  /// Vertex `to` gets the metric that vertex `from` of the other field has.
+  void copy(const MetricField& other, VertId from, VertId to) {
+    at[to] = other.at[from];
+    log_at[to] = other.log_at[from];
+  }
+  /// What set_log does, to rounding, for many vertices from `first` on whose logarithms are there.
+  void measure(VertId first, std::size_t n) noexcept {
+    vert_metrics_from_logs(
+        idx(first), idx(first) + n, [&](std::size_t i) -> const SymTensor& { return log_at[to_id<VertId>(i)]; },
+        [&](std::size_t i, const VertMetric& m) { at[to_id<VertId>(i)] = m; });
   }
 };
 
