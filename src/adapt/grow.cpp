@@ -11,8 +11,8 @@
 namespace skein {
 namespace {
 
-constexpr double kSmallestPart = 8000;  ///< predicted tetrahedra of a part at least
-constexpr double kSmallestCut = 4000;   ///< tetrahedra of a part at least when it is cut
+constexpr double kSmallestPart = 12000;  ///< predicted tetrahedra of a part at least
+constexpr double kSmallestCut = 4000;    ///< tetrahedra of a part at least when it is cut
 
 SymTensor coarser(const SymTensor& log_m, double factor, double own_size) noexcept {
   Eigen e = eigen(log_m);
