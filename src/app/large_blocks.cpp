@@ -23,6 +23,8 @@ namespace {
 constexpr std::size_t kLargePage = std::size_t{2} << 20;  ///< bytes; of x86-64 and of most others
 constexpr std::size_t kSmallPage = std::size_t{4} << 10;
 constexpr std::size_t kLargeBlock = std::size_t{1} << 20;  ///< from here on
+/// From here on in large pages: the last one that is touched is half empty, which adds up over many ranks' arrays.
+constexpr std::size_t kWorthLargePages = std::size_t{8} << 20;
 
 constexpr std::size_t rounded_up(std::size_t n, std::size_t unit) noexcept { return (n + unit - 1) / unit * unit; }
 
@@ -43,7 +45,7 @@ Span map_span(std::size_t bytes) noexcept {
   if (before > 0) munmap(raw, before);
   munmap(begin + bytes, kLargePage - before);
   const std::size_t in_large_pages = bytes / kLargePage * kLargePage;
-  if (in_large_pages > 0) madvise(begin, in_large_pages, MADV_HUGEPAGE);  // a wish; without it the span is as good
+  if (bytes >= kWorthLargePages) madvise(begin, in_large_pages, MADV_HUGEPAGE);  // a wish; without it the span is as good
   return {begin, bytes};
 }
 
