@@ -64,14 +64,15 @@ Shares share_room(const Comm& comm, const DistGraph& d, const Parts& part, int p
 }  // namespace
 
 void refine_level(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, Parts& part, Refine what,
-                  int threads) {
+                  int threads, NodeId stays) {
   const std::size_t n = d.graph.nodes();
   part.resize(n + d.ghosts.remote.size());
   const int turns = comm.size() == 1 ? 1 : 2;
   for (int turn = 0; turn < turns; ++turn) {
     const auto ghosts = d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; });
     for (std::size_t i = 0; i < ghosts.size(); ++i) part[to_id<NodeId>(n + i)] = ghosts[i];
-    const auto fixed = fixed_in_turn(comm, d, turn);
+    auto fixed = fixed_in_turn(comm, d, turn);
+    if (stays != kNoNode) fixed[stays] = 1;
     Shares s = share_room(comm, d, part, parts, capacity);
     Refiner refiner(d.graph, part, s.weight, s.capacity, &fixed, threads);
     if (what == Refine::kBalanceOnly) {

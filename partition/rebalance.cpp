@@ -108,11 +108,16 @@ std::vector<Flow> plan_flows(const Comm& comm, const Graph& g, const Parts& part
 /// Takes nodes from part to part until the flows are used up.
 class Transfer {
  public:
-  Transfer(const Graph& g, Parts& part, std::vector<Flow>& flows)
-      : g_(g), part_(part), flows_(flows), queue_(g.nodes(), GainQueue::Order::kFirstFirst), moved_(g.nodes(), 0) {}
+  /// `core` stays where it is; kNoNode: there is none.
+  Transfer(const Graph& g, NodeId core, Parts& part, std::vector<Flow>& flows)
+      : g_(g), part_(part), flows_(flows), queue_(g.nodes(), GainQueue::Order::kFirstFirst), moved_(g.nodes(), 0) {
+    if (core != kNoNode) moved_[core] = 1;
+  }
 
   void run() {
-    for (const NodeId v : IdRange<NodeId>(g_.nodes())) enqueue(v);
+    for (const NodeId v : IdRange<NodeId>(g_.nodes())) {
+      if (moved_[v] == 0) enqueue(v);
+    }
     for (;;) {
       const auto [v, expected] = queue_.pop();
       if (v == kNoNode) break;
@@ -167,7 +172,7 @@ class Transfer {
   Parts& part_;
   std::vector<Flow>& flows_;
   GainQueue queue_;
-  IdVector<NodeId, char> moved_;
+  IdVector<NodeId, char> moved_;  ///< or must stay
 };
 
 /// Collective. A first node for each rank that has none, from the rank with the most work for each that it has to feed.
@@ -198,7 +203,8 @@ std::vector<std::int64_t> weigh(const Comm& comm, const Graph& g, const Parts& p
 }
 
 /// Collective. Moves nodes until no part is beyond its capacity; tells whether that is so. The core of a shell is much
-/// heavier than any flow and stays.
+/// heavier than any flow and stays; to look for a place for it whenever one of its thousands of neighbours moves would
+/// be most of the work.
 bool diffuse(const Comm& comm, const ShellGraph& shell, double imbalance, Parts& part) {
   const DistGraph& d = shell.dist;
   const Graph& g = d.graph;
@@ -213,6 +219,7 @@ bool diffuse(const Comm& comm, const ShellGraph& shell, double imbalance, Parts&
   const auto balanced = [&] { return *std::max_element(weight.begin(), weight.end()) <= capacity; };
   if (balanced()) return true;
 
+  const NodeId core = shell.core ? to_id<NodeId>(n - 1) : kNoNode;
   seed_empty(comm, g, weight, part);
   constexpr int kRounds = 12;  // each moves work by one part
   for (int r = 0; r < kRounds && !balanced(); ++r) {
@@ -220,15 +227,15 @@ bool diffuse(const Comm& comm, const ShellGraph& shell, double imbalance, Parts&
     for (const Rank p : d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; })) part.push_back(p);
     weight = weigh(comm, g, part);
     std::vector<Flow> flows = plan_flows(comm, g, part, weight);
-    Transfer(g, part, flows).run();
+    Transfer(g, core, part, flows).run();
     weight = weigh(comm, g, part);
   }
   part.resize(n);
-  refine_level(comm, d, comm.size(), capacity, part);  // the new interfaces are rough
+  refine_level(comm, d, comm.size(), capacity, part, Refine::kAll, 1, core);  // the new interfaces are rough
   // What was in pieces before is left alone: it would be much to move.
   constexpr double kStray = 0.01;
   join_pieces(comm, d, comm.size(), capacity, static_cast<std::int64_t>(kStray * mean), part);
-  if (shell.core) part[to_id<NodeId>(n - 1)] = comm.rank();
+  if (core != kNoNode) part[core] = comm.rank();
   weight = weigh(comm, g, part);
   return balanced();
 }

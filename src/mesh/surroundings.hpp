@@ -118,10 +118,11 @@ class Surroundings {
   void enter_open() {
     if (!open_known_) visit_open_tets(m_, [&](TetId t) { open_.push_back(t); });
     open_known_ = true;
-    for (const TetId t : open_) {
+    std::erase_if(open_, [&](TetId t) {
       const auto& v = m_.tet2vert[t];
       if (v[0] != kNoVert && (seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
-    }
+      return inside_[t] != 0;
+    });
   }
   void enter(TetId t) {
     if (inside_[t] != 0) return;
@@ -133,7 +134,7 @@ class Surroundings {
   IdVector<VertId, char> seen_;
   IdVector<TetId, char> inside_;
   std::vector<VertId> verts_;
-  std::vector<TetId> tets_, open_;
+  std::vector<TetId> tets_, open_;  ///< of the open ones, those that are not inside yet
   bool open_known_ = false;
   std::size_t next_tet_ = 0, newest_tet_ = 0;  ///< to look round; to take the vertices of
 };
