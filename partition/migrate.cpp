@@ -177,14 +177,20 @@ struct Staying {
   std::vector<FeatureEdge> gone_features;
 };
 
-/// Finds these round what leaves and what was shared, and gives vertices at what leaves a tetrahedron that stays.
+/// Finds these round what leaves, and gives the vertices there a tetrahedron that stays. What was shared and has
+/// nothing that leaves beside it stays as it is.
 class Stayers {
  public:
   Stayers(DistMesh& dist, const Leaving& leaving, const std::vector<FeatureUse>& features)
       : m_(dist.mesh), leaving_(leaving), state_(dist.mesh.vert_slots(), 0), feature_state_(m_.features.size(), 0) {
-    for (const VertId v : dist.sharing.vert) touch(v);
     for (const TetId t : leaving.tets) {
-      for (const VertId v : m_.tet2vert[t]) touch(v);
+      for (const VertId v : m_.tet2vert[t]) {
+        if (state_[v] == 0) touched_.push_back(v);
+        state_[v] = kTouched;
+      }
+    }
+    for (const VertId v : dist.sharing.vert) {
+      if (state_[v] == 0) out_.verts.push_back(v);
     }
     for (const auto& [rank, edge] : features) feature_state_[edge] = kTouched;
   }
@@ -195,6 +201,7 @@ class Stayers {
     for (const TetId t : near.tets()) {
       if (leaving_.leaves[t] == 0) look_at(t, !features.empty());
     }
+    find_open();
     for (const VertId v : touched_) (state_[v] == kStays ? out_.verts : out_.gone).push_back(v);
     std::sort(out_.gone.begin(), out_.gone.end());
     const auto gone = [&](VertId v) { return state_[v] == kTouched; };
@@ -208,23 +215,26 @@ class Stayers {
  private:
   static constexpr char kTouched = 1, kStays = 2;
 
-  void touch(VertId v) {
-    if (state_[v] == 0) touched_.push_back(v);
-    state_[v] = kTouched;
-  }
   void look_at(TetId t, bool features) {
     for (std::size_t k = 0; k < 4; ++k) {
       const VertId v = m_.tet2vert[t][k];
-      if (state_[v] != 0) {
-        state_[v] = kStays;
-        m_.vert2tet[v] = t;
-      }
-      if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k]))
-        out_.open.push_back(make_face(t, static_cast<int>(k)));
+      if (state_[v] == 0) continue;
+      state_[v] = kStays;
+      m_.vert2tet[v] = t;
     }
     if (features) {
       features_of(m_, t, [&](std::uint32_t edge) { feature_state_[edge] = feature_state_[edge] != 0 ? kStays : 0; });
     }
+  }
+
+  void find_open() {
+    visit_open_tets(m_, [&](TetId t) {
+      if (!m_.is_live(t) || leaving_.leaves[t] != 0) return;
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k]))
+          out_.open.push_back(make_face(t, static_cast<int>(k)));
+      }
+    });
   }
 
   TetMesh& m_;
