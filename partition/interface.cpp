@@ -57,11 +57,11 @@ void InterfaceRegion::find_tets(GlobalId before) {
       fresh.push_back(sharing.vert[i]);
     }
     if (!fresh.empty()) near.add(fresh);
+    near.add_tets();
   };
   const auto add_layer = [&] {
     near.add_vertices();
     for (const VertId v : sharing.vert) mark[idx(v)] |= near.has(v) ? 1 : 0;
-    near.add_tets();
     add_shared();
   };
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
