@@ -14,7 +14,7 @@ namespace skein {
 inline constexpr GlobalId kEveryGlobal{std::numeric_limits<std::int64_t>::max()};  ///< above all global ids
 
 /// Quality of elements beside an old interface from which on they need no more work.
-inline constexpr double kGoodQuality = 0.8;
+inline constexpr double kGoodQuality = 0.75;
 /// Tells whether tetrahedron t has it. `metric` may be of other vertices, too, and in another order: place(v).
 template <class Place>
 bool is_good(const TetMesh& m, const IdVector<VertId, VertMetric>& metric, TetId t, Place&& place) noexcept {
