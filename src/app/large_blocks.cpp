@@ -45,22 +45,22 @@ Span map_span(std::size_t bytes) noexcept {
   if (before > 0) munmap(raw, before);
   munmap(begin + bytes, kLargePage - before);
   const std::size_t in_large_pages = bytes / kLargePage * kLargePage;
-  if (bytes >= kWorthLargePages) madvise(begin, in_large_pages, MADV_HUGEPAGE);  // a wish; without it the span is as good
+  if (bytes >= kWorthLargePages)
+    madvise(begin, in_large_pages, MADV_HUGEPAGE);  // a wish; without it the span is as good
   return {begin, bytes};
 }
 
 /// Moves large pages to another place in the address space, which costs next to nothing; where that cannot be, new ones
-/// take their place.
-void move_pages(char* from, char* to, std::size_t bytes) noexcept {
-  if (mremap(from, bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED, to) != MAP_FAILED) return;
+/// take their place. False if there are none.
+bool move_pages(char* from, char* to, std::size_t bytes) noexcept {
+  if (mremap(from, bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED, to) != MAP_FAILED) return true;
   if (bytes > kLargePage) {  // some of them have been moved before
     const std::size_t half = rounded_up(bytes / 2, kLargePage);
-    move_pages(from, to, half);
-    move_pages(from + half, to + half, bytes - half);
-    return;
+    const bool first = move_pages(from, to, half);
+    return move_pages(from + half, to + half, bytes - half) && first;
   }
   munmap(from, bytes);
-  mmap(to, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+  return mmap(to, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != MAP_FAILED;
 }
 
 /// The spans in use, by where they begin, in an open table with room for far more than a process has at a time.
@@ -116,7 +116,10 @@ class LargeBlocks {
     if (s.begin == nullptr) {
       while (n_spare_ > 0 && in_use_ + bytes + spare_ > most_) drop_spare(0);
       s = map_span(bytes);
-      if (s.begin != nullptr) fill_from_spares(s);
+      if (s.begin != nullptr && !fill_from_spares(s)) {
+        munmap(s.begin, s.bytes);
+        s = {};
+      }
     }
     if (s.begin == nullptr) return nullptr;
     in_use_ += s.bytes, most_ = std::max(most_, in_use_);
@@ -155,21 +158,23 @@ class LargeBlocks {
     return s;
   }
   /// Gives the first part of a new span, which is used in any case, the pages of spare ones.
-  void fill_from_spares(Span s) noexcept {
+  bool fill_from_spares(Span s) noexcept {
     const std::size_t most = s.bytes / 3 * 2;
     for (std::size_t filled = 0; n_spare_ > 0 && most - filled >= kLargePage;) {
       const Span spare = spares_[n_spare_ - 1];
       const std::size_t n = std::min(spare.bytes, most - filled) / kLargePage * kLargePage;
       remove_spare(n_spare_ - 1);
-      if (n > 0) move_pages(spare.begin, s.begin + filled, n);
+      const bool moved = n == 0 || move_pages(spare.begin, s.begin + filled, n);
       filled += n;
       const Span rest{spare.begin + n, spare.bytes - n};
       if (rest.bytes >= kLargePage) {
         keep(rest);
-        return;
+        return moved;
       }
       if (rest.bytes > 0) munmap(rest.begin, rest.bytes);
+      if (!moved) return false;
     }
+    return true;
   }
   void keep(Span s) noexcept {
     if (n_spare_ == kSpares) drop_spare(0);
