@@ -98,29 +98,58 @@ TEST(Interface, LaterRoundsFlowFromHeavyRanksToLightOnes) {
   }
 }
 
+/// Edges from a to b in the cube of n^3 cells: an edge joins cells (i,j,k) that differ by 0 or 1 each, all with the
+/// same sign.
+long steps(int n, Vec3 a, Vec3 b) {
+  double up = 0, down = 0;
+  for (const double c : {n * (b.x - a.x), n * (b.y - a.y), n * (b.z - a.z)}) {
+    up = std::max(up, c);
+    down = std::max(down, -c);
+  }
+  return std::lround(up + down);
+}
+
 TEST(Interface, ActiveBandHasItsWidthOnAllRanks) {
   const Comm& comm = world();
   const int n = 6, layers = 2;
   DistMesh dist = distribute(comm, slices(comm, cube(n)));
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
   mark_active_band(comm, dist, layers);
-  // In this cube an edge joins cells (i,j,k) that differ by 0 or 1 each, all with the same sign.
   std::vector<Vec3> seeds;
   for (const VertId v : dist.sharing.vert) seeds.push_back(dist.mesh.coords[v]);
   seeds = comm.all_gather(seeds);
-  const auto steps = [&](Vec3 a, Vec3 b) {
-    const std::array<double, 3> d{n * (b.x - a.x), n * (b.y - a.y), n * (b.z - a.z)};
-    double up = 0, down = 0;
-    for (const double c : d) {
-      up = std::max(up, c);
-      down = std::max(down, -c);
-    }
-    return std::lround(up + down);
-  };
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     bool near = false;
-    for (const Vec3 s : seeds) near = near || steps(s, dist.mesh.coords[v]) <= layers;
+    for (const Vec3 s : seeds) near = near || steps(n, s, dist.mesh.coords[v]) <= layers;
     EXPECT_EQ(dist.mesh.has(v, kActive), near);
+  }
+}
+
+TEST(Interface, GoodElementsStayButRoundWhatIsHeld) {
+  const Comm& comm = world();
+  const int n = 6;
+  for (const double stretch : {0.0, std::log(100)}) {
+    SCOPED_TRACE(stretch);
+    // The tetrahedra of the cube have quality 0.76 in an isotropic metric, and next to none in a stretched one.
+    DistMesh dist = with_metric(comm, cube(n), [&](Vec3) { return SymTensor{4, 0, 4, 0, 0, 4 + stretch}; });
+    const auto held = [&](VertId v) { return dist.mesh.coords[v].x == 0 && dist.mesh.coords[v].y == 0; };
+    std::vector<Vec3> bad, shared;
+    for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+      if (!held(v)) continue;
+      dist.mesh.vert_flags[v] |= kHeld;
+      bad.push_back(dist.mesh.coords[v]);
+    }
+    for (const VertId v : dist.sharing.vert) shared.push_back(dist.mesh.coords[v]);
+    bad = comm.all_gather(bad);
+    shared = comm.all_gather(shared);
+    EXPECT_TRUE(mark_active_band(comm, dist, 1));
+    const auto within = [&](const std::vector<Vec3>& seeds, Vec3 x, int layers) {
+      return std::any_of(seeds.begin(), seeds.end(), [&](Vec3 s) { return steps(n, s, x) <= layers; });
+    };
+    for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+      const Vec3 x = dist.mesh.coords[v];
+      EXPECT_EQ(dist.mesh.has(v, kActive), within(bad, x, 1) || within(shared, x, stretch > 0 ? 1 : 0));
+    }
   }
 }
 
