@@ -2,7 +2,6 @@
 #include "kernel/hunt.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 namespace skein {
 namespace {
@@ -23,21 +22,12 @@ void Hunter::note_changes(Pass hunt) {
     return;
   }
   state_.assign(part_->mesh.vert_slots(), 0);
-  std::uint64_t eight = 0;  // most have not changed
-  constexpr std::size_t kAtOnce = sizeof eight;
-  const std::size_t n = dirty.size();
-  for (std::size_t i = 0; i < n; i += kAtOnce) {
-    const std::size_t m = std::min(n - i, kAtOnce);
-    eight = 0;
-    std::memcpy(&eight, dirty.data() + i, m);
-    if ((eight & hunt * 0x0101010101010101U) == 0) continue;
-    for (const TetId t : IdRange<TetId>(i, i + m)) {
-      if ((dirty[t] & hunt) == 0 || !part_->mesh.is_live(t)) continue;
-      const bool changed = (dirty[t] & kHasChanged) != 0;
-      if (changed) dirty[t] = static_cast<std::uint8_t>(dirty[t] & ~hunt);
-      for (const VertId v : part_->mesh.tet2vert[t]) state_[v] |= changed ? kChanged | kToMove : kToMove;
-    }
-  }
+  for_each_dirty(*part_, hunt, dirty.size(), [&](TetId t) {
+    if (!part_->mesh.is_live(t)) return;
+    const bool changed = (dirty[t] & kHasChanged) != 0;
+    if (changed) dirty[t] = static_cast<std::uint8_t>(dirty[t] & ~hunt);
+    for (const VertId v : part_->mesh.tet2vert[t]) state_[v] |= changed ? kChanged | kToMove : kToMove;
+  });
 }
 
 void Hunter::make_all_new() {
@@ -174,9 +164,7 @@ void Hunter::leave_few() {
     if (part_->mesh.is_live(t)) part_->q3[t] = static_cast<float>(quality_cubed(*part_, t));
   };
   for (const TetId t : few_) judge(t);
-  for (const TetId t : IdRange<TetId>(part_->mesh.tet_slots())) {
-    if ((part_->dirty[t] & kMainPasses) != 0) judge(t);
-  }
+  for_each_dirty(*part_, kMainPasses, part_->dirty.size(), judge);
 }
 
 bool Hunter::relax_edge(TetId t, VertId a, VertId b) {

@@ -1,9 +1,11 @@
 // Part: one worker's mesh with its metric, cached qualities and scratch memory. One part, no MPI, no threads.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -202,6 +204,23 @@ void measure(const Part& p, const std::array<VertId, 4>& v, unsigned mask, Visit
     const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
     const Vec3 d = p.x(b) - p.x(a);
     visit(e, a, b, std::sqrt(quad(p.metric.at[a].m, d)), std::sqrt(quad(p.metric.at[b].m, d)));
+  }
+}
+
+/// Calls visit(t) for the tetrahedra below `end` that have one of these bits (Pass) of `dirty` when their turn comes,
+/// also for what is added meanwhile. Eight at a time where there are none.
+template <class Visit>
+void for_each_dirty(const Part& p, unsigned bits, std::size_t end, Visit&& visit) {
+  constexpr std::size_t kAtOnce = sizeof(std::uint64_t);
+  const std::uint64_t mask = bits * std::uint64_t{0x0101010101010101};
+  for (std::size_t i = 0, n = 0; i < std::min(end, p.dirty.size()); i += n) {
+    n = std::min(std::min(end, p.dirty.size()) - i, kAtOnce);
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, p.dirty.data() + i, n);
+    if ((eight & mask) == 0) continue;
+    for (const TetId t : IdRange<TetId>(i, i + n)) {
+      if ((p.dirty[t] & bits) != 0) visit(t);
+    }
   }
 }
 

@@ -36,6 +36,7 @@ constexpr unsigned kFetching = kSwapPass | kInsertPass | kCollapsePass;  ///< sw
 constexpr int kLengthTurns = 4;
 /// Where along a long edge a point is tried when another vertex is too near the place of unit steps.
 constexpr std::array<double, 5> kOtherPlaces{0.5, 0.35, 0.65, 0.2, 0.8};
+constexpr std::size_t kAlsoWhatIsAdded = ~std::size_t{0};
 /// What another round shall look at if frozen vertices were in the way of this one.
 constexpr double kBadQuality = 0.3, kBadLong = 2, kBadShort = 0.4;
 constexpr std::size_t kIndexShare = 8;  ///< from one vertex in so many on, all balls are found at once
@@ -94,14 +95,18 @@ class Passes {
   void order();
   /// Asks for the tetrahedra round t, which a look at its rings will read.
   void fetch_neighbours(TetId t) const noexcept;
-  bool collapse_in(TetId t, double below, double max_length, double floor_q3);
+  enum class Outcome { kNothingToDo, kInVain, kDone };
+  Outcome collapse_in(TetId t, double below, double max_length, double floor_q3);
   /// Splits the longest of the edges above this length that can be; `hunt`: with more than one place for the point.
-  bool split_in(TetId t, double above, bool hunt = false);
-  bool centroid_in(TetId t);
+  Outcome split_in(TetId t, double above, bool hunt = false);
+  void centroid_in(TetId t);
   [[nodiscard]] bool is_bad(TetId t) const noexcept;
-  /// Not all vertices of the tetrahedra at those of t can be worked with. Where only what was held is worked on, idle
-  /// vertices do not count: they have had a round with nothing in their way, and would hand each other on for ever.
-  [[nodiscard]] bool is_confined(TetId t);
+  /// Cannot be worked with. Where only what was held is worked on, idle vertices do not count: they have had a round
+  /// with nothing in their way, and would hand each other on for ever.
+  [[nodiscard]] bool is_bound(VertId v) const noexcept {
+    const unsigned f = part_.mesh.vert_flags[v] & (kFrozen | kActive);
+    return part_.options.only_held ? f == (kFrozen | kActive) : f != kActive;
+  }
 
   Part& part_;
   Cavity cavity_;
@@ -112,10 +117,11 @@ class Passes {
   Hunter hunt_;
   Shell shell_;
   std::vector<VertId> to_move_;
-  std::vector<TetId> ball_;
   IdVector<VertId, VertId> old2new_;
   std::size_t ordered_;  ///< tetrahedra when they were put in order
   double collapsed_below_ = 0;
+  /// Bounds of the last hunt for lengths. What has changed since or was tried in vain has the bit kInsertPass.
+  double hunted_above_ = 0, hunted_below_ = 0;
   std::int64_t expected_ = -1;  ///< expected_points() before the first points
 };
 
@@ -139,15 +145,14 @@ void Passes::sweep(Pass pass, int sweeps, Wanted&& wanted, Visit&& visit) {
     bool any = false;
     forget_refused();
     // The mesh may grow while this runs; what is added at the end belongs to the next sweep.
-    for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
-      if ((part_.dirty[t] & pass) == 0) continue;
+    for_each_dirty(part_, pass, part_.mesh.tet_slots(), [&](TetId t) {
       part_.dirty[t] = static_cast<std::uint8_t>(part_.dirty[t] & ~pass);
       const TetId ahead{num(t) + kTetsAhead};
       if ((pass & kFetching) != 0 && idx(ahead) < part_.mesh.tet_slots() && wanted(ahead)) fetch_neighbours(ahead);
-      if (!wanted(t) || !part_.mesh.is_live(t) || !part_.active(t)) continue;
+      if (!wanted(t) || !part_.mesh.is_live(t) || !part_.active(t)) return;
       any = true;
       visit(t);
-    }
+    });
     if (!any) return;
     if (part_.mesh.tet_slots() > kGrowth * std::max(ordered_, kSmallMesh)) order();
   }
@@ -165,7 +170,7 @@ void Passes::order() {
   ordered_ = part_.mesh.tet_slots();
 }
 
-bool Passes::collapse_in(TetId t, double below, double max_length, double floor_q3) {
+Passes::Outcome Passes::collapse_in(TetId t, double below, double max_length, double floor_q3) {
   const auto v = part_.mesh.tet2vert[t];
   std::size_t edge = 6;
   VertId from = kNoVert, to = kNoVert;
@@ -174,13 +179,14 @@ bool Passes::collapse_in(TetId t, double below, double max_length, double floor_
     const double l = log_mean(la, lb);
     if (l < shortest) shortest = l, edge = e, from = a, to = b;
   });
-  if (edge == 6 || (part_.refused[t] & (1U << edge)) != 0) return false;
-  if (!part_.mesh.has(from, kActive) && !part_.mesh.has(to, kActive)) return false;
+  if (edge == 6) return Outcome::kNothingToDo;
+  if ((part_.refused[t] & (1U << edge)) != 0) return Outcome::kInVain;
+  if (!part_.mesh.has(from, kActive) && !part_.mesh.has(to, kActive)) return Outcome::kInVain;
   if (collapse_.collapse(from, to, t, max_length, floor_q3) || collapse_.collapse(to, from, t, max_length, floor_q3)) {
-    return true;
+    return Outcome::kDone;
   }
   if (gather_shell(part_.mesh, t, from, to, shell_)) mark_refused(part_, shell_);
-  return false;
+  return Outcome::kInVain;
 }
 
 std::int64_t Passes::collapse_short(double below, double max_length, double floor_q3) {
@@ -194,7 +200,7 @@ std::int64_t Passes::collapse_short(double below, double max_length, double floo
   return part_.counts.collapse - before;
 }
 
-bool Passes::split_in(TetId t, double above, bool hunt) {
+Passes::Outcome Passes::split_in(TetId t, double above, bool hunt) {
   struct Long {
     double length, ratio;  ///< ratio of the lengths in the metrics of b and a
     VertId a, b;
@@ -202,7 +208,7 @@ bool Passes::split_in(TetId t, double above, bool hunt) {
   std::array<Long, 6> order;
   std::size_t n_long = 0;
   const auto v = part_.mesh.tet2vert[t];
-  const unsigned mask = part_.edges[t].may_be_long & ~static_cast<unsigned>(part_.refused[t]);
+  const unsigned all = part_.edges[t].may_be_long, mask = all & ~static_cast<unsigned>(part_.refused[t]);
   measure(part_, v, mask, [&](std::size_t, VertId a, VertId b, double la, double lb) {
     const double l = log_mean(la, lb);
     if (l <= above) return;
@@ -224,22 +230,22 @@ bool Passes::split_in(TetId t, double above, bool hunt) {
     for (std::size_t k = 0; hunt && done == InsertResult::kTooClose && k < kOtherPlaces.size(); ++k) {
       done = insert_.on_edge(t, a, b, kOtherPlaces[k]);
     }
-    if (done == InsertResult::kDone) return true;
+    if (done == InsertResult::kDone) return Outcome::kDone;
     mark_refused(part_, insert_.shell());
   }
-  return false;
+  return n_long == 0 && mask == all ? Outcome::kNothingToDo : Outcome::kInVain;
 }
 
-bool Passes::centroid_in(TetId t) {
+void Passes::centroid_in(TetId t) {
   bool is_long = false;
   measure(part_, part_.mesh.tet2vert[t], part_.edges[t].may_be_long,
           [&](std::size_t, VertId, VertId, double la, double lb) {
             is_long = is_long || log_mean(la, lb) > part_.options.split_above;
           });
-  if (!is_long) return false;
-  if (insert_.inside(t, {0.25, 0.25, 0.25, 0.25}, part_.options.length_min_new) == InsertResult::kDone) return true;
+  if (!is_long) return;
+  if (insert_.inside(t, {0.25, 0.25, 0.25, 0.25}, part_.options.length_min_new) == InsertResult::kDone) return;
   // The boundary is refined along its edges, and what centroids cannot reach.
-  return split_in(t, part_.options.split_above);
+  split_in(t, part_.options.split_above);
 }
 
 std::int64_t Passes::create_points() {
@@ -254,7 +260,11 @@ std::int64_t Passes::create_points() {
     if (part_.counts.insert > enough) return;
     // In needles the distance to what is near cannot be seen from the cavity: better connected first.
     if (part_.q3[t] < kNeedle && swap_.any(t)) return;
-    part_.options.centroid_points ? centroid_in(t) : split_in(t, part_.options.split_above);
+    if (part_.options.centroid_points) {
+      centroid_in(t);
+    } else {
+      split_in(t, part_.options.split_above);
+    }
   });
   return part_.counts.insert - before;
 }
@@ -295,17 +305,28 @@ void Passes::hunt_lengths(const LengthHunt& hunt, bool only_new) {
   const KernelOptions strict = part_.options;
   part_.options.length_min_new = hunt.min_new;
   insert_.set_strict(true);
-  std::int64_t done = 1;
-  for (int turn = 0; done != 0 && turn < kLengthTurns; ++turn) {
-    done = 0;
+  const bool wider = hunt.longest >= hunted_above_ && hunt.shortest <= hunted_below_;
+  hunted_above_ = hunt.longest, hunted_below_ = hunt.shortest;
+  unsigned looked_at = only_new || wider ? kInsertPass : kToHunt;
+  for (int turn = 0; turn < kLengthTurns; ++turn) {
+    bool any = false;
     forget_refused();
-    for (std::size_t i = 0; i < part_.mesh.tet_slots(); ++i) {
-      const auto t = to_id<TetId>(i);
-      if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) continue;
-      if ((part_.dirty[t] & (only_new ? kMainPasses : kToHunt)) == 0) continue;
-      if (!part_.mesh.is_live(t) || !part_.active(t)) continue;
-      if (split_in(t, hunt.longest, true) || collapse_in(t, hunt.shortest, hunt.max_new, kFloor)) ++done;
-    }
+    for_each_dirty(part_, looked_at, kAlsoWhatIsAdded, [&](TetId t) {
+      part_.dirty[t] = static_cast<std::uint8_t>(part_.dirty[t] & ~kInsertPass);
+      if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) return;
+      if (!part_.mesh.is_live(t) || !part_.active(t)) return;
+      const Outcome split = split_in(t, hunt.longest, true);
+      if (split == Outcome::kDone) {
+        any = true;
+        return;
+      }
+      const Outcome collapse = collapse_in(t, hunt.shortest, hunt.max_new, kFloor);
+      any = any || collapse == Outcome::kDone;
+      if (collapse != Outcome::kDone && (split == Outcome::kInVain || collapse == Outcome::kInVain))
+        part_.dirty[t] |= kInsertPass;
+    });
+    if (!any) break;
+    looked_at = kInsertPass;
   }
   part_.options = strict;
   insert_.set_strict(false);
@@ -370,30 +391,29 @@ bool Passes::is_bad(TetId t) const noexcept {
   return false;
 }
 
-bool Passes::is_confined(TetId t) {
-  const TetMesh& m = part_.mesh;
-  const bool only_held = part_.options.only_held;
-  const auto bound = [&](VertId v) {
-    const unsigned f = m.vert_flags[v] & (kFrozen | kActive);
-    return only_held ? f == (kFrozen | kActive) : f != kActive;
-  };
-  const auto tv = m.tet2vert[t];
-  for (const VertId v : tv) {
-    ball_.clear();
-    if (bound(v) || !gather_ball(part_, v, ball_)) return true;
-    for (const TetId near : ball_) {
-      const auto& w = m.tet2vert[near];
-      if (bound(w[0]) || bound(w[1]) || bound(w[2]) || bound(w[3])) return true;
-    }
-  }
-  return false;
-}
-
 void Passes::mark_held() {
-  for (auto& f : part_.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kHeld);
-  for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
-    if (!part_.mesh.is_live(t) || !is_bad(t) || !part_.active(t) || !is_confined(t)) continue;
-    for (const VertId v : part_.mesh.tet2vert[t]) part_.mesh.vert_flags[v] |= kHeld;
+  TetMesh& m = part_.mesh;
+  bool any = false;
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~kHeld);
+    any = any || (is_bound(v) && m.is_live(v));
+  }
+  if (!any) return;
+  // What has a tetrahedron with a bound vertex at one of its own is confined.
+  const std::uint32_t stamp = ++part_.vert_stamp;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t)) continue;
+    const auto& tv = m.tet2vert[t];
+    if (!is_bound(tv[0]) && !is_bound(tv[1]) && !is_bound(tv[2]) && !is_bound(tv[3])) continue;
+    for (const VertId v : tv) part_.vert_mark[v] = stamp;
+  }
+  const auto is_confined = [&](TetId t) {
+    const auto& tv = m.tet2vert[t];
+    return std::any_of(tv.begin(), tv.end(), [&](VertId v) { return part_.vert_mark[v] == stamp; });
+  };
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.is_live(t) || !is_confined(t) || !is_bad(t) || !part_.active(t)) continue;
+    for (const VertId v : m.tet2vert[t]) m.vert_flags[v] |= kHeld;
   }
 }
 
