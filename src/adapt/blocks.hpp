@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kernel/part.hpp"
+#include "mesh/holes.hpp"
 
 namespace skein {
 
@@ -34,6 +35,9 @@ struct Block {
   std::vector<VertId>
       frozen;  ///< the part's vertices that were frozen before the cut, ascending (shared with other ranks)
   std::vector<VertId> frozen_of;  ///< ... and their number in the whole mesh
+  /// From seal_block on, where tetrahedra at the end belong, so that there are no free ones; Part's lists of these are
+  /// ascending.
+  Moved<TetId> tets;
 };
 
 /// Cuts block b out of the mesh. Faces to other blocks have no neighbour; their vertices are frozen. Thread-safe.
@@ -44,7 +48,8 @@ Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabel
 /// block is then of no use. Thread-safe.
 bool refine_block_interface(Block& block);
 
-/// Follows a renumbering of the part's vertices (adapt_part) and takes out the free slots. Thread-safe.
+/// Follows a renumbering of the part's vertices (adapt_part) and finds the free slots, which it takes out where they
+/// are many. Thread-safe.
 void seal_block(Block& block, const IdVector<VertId, VertId>& old2new);
 
 /// What merge_blocks gives: the whole mesh again.
@@ -55,8 +60,8 @@ struct Merged {
   IdVector<VertId, VertId> old2new;  ///< for vertices of the mesh before the cut that were frozen; kNoVert for others
 };
 /// Joins the blocks (which it empties) with as many threads: common vertices become one again, faces between blocks are
-/// matched. The first block stays where it is, and the others are put behind it; so it is well to reserve room for all
-/// there. @pre sealed; the interfaces are as they were cut.
+/// matched. The first block stays where it is, and the others are put into its free slots and behind it; so it is well
+/// to reserve room for all there. @pre sealed; the interfaces are as they were cut.
 /// `old_verts`: number of vertices before the cut.
 Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts);
 

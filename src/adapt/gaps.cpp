@@ -39,9 +39,11 @@ IdVector<VertId, VertId> fill_gaps(TetMesh& m, MetricField& metric, const std::v
 
 }  // namespace
 
+bool are_few(std::size_t free_tets, std::size_t tets) noexcept { return kFew * free_tets <= tets; }
+
 IdVector<VertId, VertId> close_gaps(TetMesh& mesh, MetricField& metric) {
   const auto free_tets = free_slots<TetId>(mesh, mesh.tet_slots());
-  if (kFew * free_tets.size() <= mesh.tet_slots()) return fill_gaps(mesh, metric, free_tets);
+  if (are_few(free_tets.size(), mesh.tet_slots())) return fill_gaps(mesh, metric, free_tets);
   auto old2new = squeeze(mesh);
   squeeze(metric.at, old2new, mesh.vert_slots());
   squeeze(metric.log_at, old2new, mesh.vert_slots());

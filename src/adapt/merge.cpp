@@ -19,17 +19,66 @@ void seal_block(Block& block, const IdVector<VertId, VertId>& old2new) {
   p.edges = {};
   p.vert_mark = {};
   p.edge_class = {};
-  const auto step = close_gaps(p.mesh, p.metric);
+  IdVector<VertId, VertId> up;
+  const bool few = are_few(p.free_tets.size(), p.mesh.tet_slots());
+  if (few) {
+    std::sort(p.free_tets.begin(), p.free_tets.end());
+    std::sort(p.free_verts.begin(), p.free_verts.end());
+  } else {
+    up = close_gaps(p.mesh, p.metric);
+    p.free_tets.clear();
+    p.free_verts.clear();
+  }
+  block.tets = Moved<TetId>(p.mesh.tet_slots() - p.free_tets.size(), p.free_tets.size());
+  fill_holes(p.free_tets, p.mesh.tet_slots(), [&](TetId from, TetId to) { block.tets.set(from, to); });
+  const auto now = [&](VertId v) { return few ? old2new[v] : up[old2new[v]]; };
   block.common_id.clear();
   for (VertId& v : block.common) {
     block.common_id.push_back(block.id[v]);
-    v = step[old2new[v]];
+    v = now(v);
   }
-  for (VertId& v : block.frozen) v = step[old2new[v]];
+  for (VertId& v : block.frozen) v = now(v);
   block.id = {};
 }
 
 namespace {
+
+/// Where what is added to an array goes: first into its free slots.
+template <Identifier Id>
+class Places {
+ public:
+  Places() = default;
+  Places(std::vector<Id> free, std::size_t slots) : free_(std::move(free)), slots_(slots) {}
+  [[nodiscard]] Id operator()(std::size_t i) const noexcept {
+    return i < free_.size() ? free_[i] : to_id<Id>(slots_ + i - free_.size());
+  }
+  [[nodiscard]] const std::vector<Id>& free() const noexcept { return free_; }
+  [[nodiscard]] std::size_t slots() const noexcept { return slots_; }
+  /// The slots when n are added, of which some may still be free.
+  [[nodiscard]] std::size_t slots_with(std::size_t n) const noexcept {
+    return slots_ + (n > free_.size() ? n - free_.size() : 0);
+  }
+
+ private:
+  std::vector<Id> free_;
+  std::size_t slots_ = 0;
+};
+
+/// Steps over the items of an ascending list, as long as it is asked for ascending ids.
+template <Identifier Id>
+class Skip {
+ public:
+  Skip(const std::vector<Id>& list, Id first)
+      : at_(std::lower_bound(list.begin(), list.end(), first)), end_(list.end()) {}
+  [[nodiscard]] bool operator()(Id i) noexcept {
+    const bool found = at_ != end_ && *at_ == i;
+    if (found) ++at_;
+    return found;
+  }
+
+ private:
+  std::vector<Id>::const_iterator at_, end_;
+};
 
 /// Gives the blocks' vertices and tetrahedra numbers behind one another and brings them there.
 class Joiner {
@@ -59,6 +108,7 @@ class Joiner {
     in_parallel(threads_, [&](int w) { place_tets(w, open[static_cast<std::size_t>(w)]); });
     blocks_.clear();
     match_faces(open);
+    close_what_is_left();
     return std::move(out_);
   }
 
@@ -71,8 +121,9 @@ class Joiner {
     std::uint8_t flags;
   };
   struct Piece {
-    std::vector<Twin> twins;  ///< ascending
-    std::size_t first_vert = 0, first_tet = 0;
+    std::vector<Twin> twins;                    ///< ascending
+    std::vector<VertId> gone;                   ///< twins and free ones, ascending
+    std::size_t first_vert = 0, first_tet = 0;  ///< in the order of what is added to the first block
     IdVector<VertId, VertId> new_of;
   };
 
@@ -104,25 +155,38 @@ class Joiner {
   }
 
   void count() {
+    std::size_t verts = 0, tets = 0;
     for (std::size_t b = 1; b < blocks_.size(); ++b) {
-      const TetMesh& before = blocks_[b - 1].part.mesh;
-      pieces_[b].first_vert = pieces_[b - 1].first_vert + before.vert_slots() - pieces_[b - 1].twins.size();
-      pieces_[b].first_tet = pieces_[b - 1].first_tet + before.tet_slots();
+      const Part& part = blocks_[b].part;
+      Piece& p = pieces_[b];
+      p.gone = part.free_verts;
+      for (const Twin& twin : p.twins) p.gone.push_back(twin.v);
+      std::inplace_merge(p.gone.begin(), p.gone.begin() + std::ssize(part.free_verts), p.gone.end());
+      p.first_vert = verts, p.first_tet = tets;
+      verts += part.mesh.vert_slots() - p.gone.size();
+      tets += part.mesh.tet_slots() - part.free_tets.size();
     }
+    added_verts_ = verts, added_tets_ = tets;
+    Part& first = blocks_[0].part;
+    vert_places_ = {std::move(first.free_verts), first.mesh.vert_slots()};
+    tet_places_ = {std::move(first.free_tets), first.mesh.tet_slots()};
   }
 
-  /// Twins of the block with numbers below v.
-  [[nodiscard]] std::size_t twins_below(std::size_t b, VertId v) const {
-    const auto& twins = pieces_[b].twins;
-    const auto at = std::lower_bound(twins.begin(), twins.end(), v, [](const Twin& x, VertId y) { return x.v < y; });
-    return static_cast<std::size_t>(at - twins.begin());
+  [[nodiscard]] std::size_t gone_below(std::size_t b, VertId v) const {
+    const auto& gone = pieces_[b].gone;
+    return static_cast<std::size_t>(std::lower_bound(gone.begin(), gone.end(), v) - gone.begin());
   }
   /// What becomes of vertex v of block b.
   [[nodiscard]] VertId number(std::size_t b, VertId v) const {
+    if (b == 0) return v;
     const auto& twins = pieces_[b].twins;
-    const std::size_t below = twins_below(b, v);
-    if (below < twins.size() && twins[below].v == v) return number(twins[below].of_block, twins[below].of);
-    return to_id<VertId>(pieces_[b].first_vert + idx(v) - below);
+    const auto at = std::lower_bound(twins.begin(), twins.end(), v, [](const Twin& x, VertId y) { return x.v < y; });
+    if (at != twins.end() && at->v == v) return number(at->of_block, at->of);
+    return vert_places_(pieces_[b].first_vert + idx(v) - gone_below(b, v));
+  }
+  /// What becomes of tetrahedron t of block b, not the first one.
+  [[nodiscard]] TetId number(std::size_t b, TetId t) const noexcept {
+    return tet_places_(pieces_[b].first_tet + idx(blocks_[b].tets(t)));
   }
 
   /// Frozen is now what was frozen before the cut.
@@ -150,12 +214,11 @@ class Joiner {
   }
 
   void make_room() {
-    const TetMesh& last = blocks_.back().part.mesh;
-    const std::size_t nt = pieces_.back().first_tet + last.tet_slots(),
-                      nv = pieces_.back().first_vert + last.vert_slots() - pieces_.back().twins.size();
-    for (std::size_t b = 0; b < blocks_.size(); ++b)
-      pieces_[b].new_of.resize(b == 0 ? 0 : blocks_[b].part.mesh.vert_slots());
-    first_tets_ = blocks_[0].part.mesh.tet_slots();
+    const std::size_t nt = tet_places_.slots_with(added_tets_), nv = vert_places_.slots_with(added_verts_);
+    for (std::size_t b = 1; b < blocks_.size(); ++b) {
+      pieces_[b].new_of.resize(blocks_[b].part.mesh.vert_slots());
+      for (const Twin& twin : pieces_[b].twins) pieces_[b].new_of[twin.v] = number(twin.of_block, twin.of);
+    }
     out_.mesh = std::move(blocks_[0].part.mesh);
     out_.metric = std::move(blocks_[0].part.metric);
     TetMesh& m = out_.mesh;
@@ -174,20 +237,16 @@ class Joiner {
       Piece& p = pieces_[b];
       const std::size_t n = m.vert_slots(), end = share_begin(n, w + 1, threads_);
       const auto begin = to_id<VertId>(share_begin(n, w, threads_));
-      auto twin = p.twins.begin() + static_cast<std::ptrdiff_t>(twins_below(b, begin));
-      for (std::size_t i = idx(begin); i < end; ++i) {
-        const auto v = to_id<VertId>(i);
-        if (twin != p.twins.end() && twin->v == v) {
-          p.new_of[v] = number(twin->of_block, twin->of);
-          ++twin;
-          continue;
-        }
-        const auto to = to_id<VertId>(p.first_vert + i - static_cast<std::size_t>(twin - p.twins.begin()));
+      Skip gone(p.gone, begin);
+      std::size_t at = p.first_vert + idx(begin) - gone_below(b, begin);
+      for (const VertId v : IdRange<VertId>(idx(begin), end)) {
+        if (gone(v)) continue;
+        const VertId to = vert_places_(at++);
         p.new_of[v] = to;
         out_.mesh.coords[to] = m.coords[v];
         out_.mesh.vert_ref[to] = m.vert_ref[v];
         out_.mesh.vert_flags[to] = m.vert_flags[v];
-        out_.mesh.vert2tet[to] = to_id<TetId>(idx(m.vert2tet[v]) + p.first_tet);
+        out_.mesh.vert2tet[to] = number(b, m.vert2tet[v]);
         out_.metric.at[to] = metric.at[v];
         out_.metric.log_at[to] = metric.log_at[v];
       }
@@ -202,20 +261,24 @@ class Joiner {
         open.push_back(make_face(t, static_cast<int>(i)));
       }
     };
-    const auto share = [&](std::size_t n, std::size_t first) {
-      const std::size_t begin = share_begin(n, w, threads_);
-      return IdRange<TetId>(first + begin, first + share_begin(n, w + 1, threads_));
+    const auto share = [&](std::size_t n) {
+      return IdRange<TetId>(share_begin(n, w, threads_), share_begin(n, w + 1, threads_));
     };
-    for (const TetId t : share(first_tets_, 0)) look(t);
+    const auto first = share(tet_places_.slots());
+    Skip free(tet_places_.free(), *first.begin());
+    for (const TetId t : first) {
+      if (!free(t)) look(t);
+    }
     for (std::size_t b = 1; b < blocks_.size(); ++b) {
       const TetMesh& m = blocks_[b].part.mesh;
       const Piece& p = pieces_[b];
-      for (const TetId to : share(m.tet_slots(), p.first_tet)) {
-        const auto t = to_id<TetId>(idx(to) - p.first_tet);
+      for (const TetId t : share(m.tet_slots())) {
+        if (!m.is_live(t)) continue;
+        const TetId to = number(b, t);
         for (std::size_t i = 0; i < 4; ++i) {
           out_.mesh.tet2vert[to][i] = p.new_of[m.tet2vert[t][i]];
           const FaceId f = m.tet2face[t][i];
-          out_.mesh.tet2face[to][i] = f == kNoFace ? kNoFace : to_id<FaceId>(idx(f) + 4 * p.first_tet);
+          out_.mesh.tet2face[to][i] = f == kNoFace ? kNoFace : make_face(number(b, face_tet(f)), face_side(f));
         }
         out_.mesh.face_tag[to] = m.face_tag[t];
         out_.mesh.tet_ref[to] = m.tet_ref[t];
@@ -230,10 +293,23 @@ class Joiner {
     link_equal_faces(out_.mesh, all);
   }
 
+  /// The first block may have more free slots than the others have items.
+  void close_what_is_left() {
+    if (added_tets_ >= tet_places_.free().size() && added_verts_ >= vert_places_.free().size()) return;
+    const auto now = close_gaps(out_.mesh, out_.metric);
+    for (VertId& v : out_.between) v = now[v];
+    std::sort(out_.between.begin(), out_.between.end());
+    for (VertId& v : out_.old2new) {
+      if (v != kNoVert) v = now[v];
+    }
+  }
+
   std::vector<Block>& blocks_;
   int threads_;
   std::vector<Piece> pieces_;
-  std::size_t first_tets_ = 0;  ///< of the first block
+  Places<VertId> vert_places_;
+  Places<TetId> tet_places_;
+  std::size_t added_verts_ = 0, added_tets_ = 0;
   Merged out_;
 };
 

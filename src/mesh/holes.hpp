@@ -49,20 +49,21 @@ void resize_verts(TetMesh& m, std::size_t n);
 /// that move. @pre no other free slots.
 void fill_free_tets(TetMesh& m, const std::vector<TetId>& free);
 
-/// The numbers of vertices after some have moved to others' places.
-class MovedVerts {
+/// The numbers of items after some have moved to others' places.
+template <Identifier Id>
+class Moved {
  public:
-  MovedVerts(std::size_t first, std::size_t n) : first_(first), old2new_(n, kNoVert) {}
-  [[nodiscard]] VertId operator()(VertId v) const noexcept {
-    return moves(v) ? old2new_[to_id<VertId>(idx(v) - first_)] : v;
-  }
-  [[nodiscard]] bool moves(VertId v) const noexcept { return idx(v) >= first_; }
-  void set(VertId from, VertId to) noexcept { old2new_[to_id<VertId>(idx(from) - first_)] = to; }
+  Moved() = default;
+  Moved(std::size_t first, std::size_t n) : first_(first), old2new_(n, to_id<Id>(-1)) {}
+  [[nodiscard]] Id operator()(Id i) const noexcept { return moves(i) ? old2new_[to_id<Id>(idx(i) - first_)] : i; }
+  [[nodiscard]] bool moves(Id i) const noexcept { return idx(i) >= first_; }
+  void set(Id from, Id to) noexcept { old2new_[to_id<Id>(idx(from) - first_)] = to; }
 
  private:
-  std::size_t first_;                 ///< all before it stay where they are
-  IdVector<VertId, VertId> old2new_;  ///< of those from first_ on; kNoVert for free ones
+  std::size_t first_ = 0;     ///< all before it stay where they are
+  IdVector<Id, Id> old2new_;  ///< of those from first_ on; -1 for free ones
 };
+using MovedVerts = Moved<VertId>;
 
 /// Part of fill_free_verts: tetrahedra and feature edges take the vertices' new numbers.
 void follow(TetMesh& m, const MovedVerts& now, int threads);

@@ -85,6 +85,47 @@ void seal(std::vector<Block>& blocks) {
   }
 }
 
+/// Leaves n free slots among the tetrahedra and the vertices, as passes do: every other one of the first is at the end
+/// now. Returns old vertex -> new vertex.
+IdVector<VertId, VertId> make_gaps(Part& p, std::size_t n) {
+  TetMesh& m = p.mesh;
+  IdVector<VertId, VertId> old2new(m.vert_slots());
+  for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = v;
+  const std::size_t nv = std::min(n, m.vert_slots() / 2), nt = std::min(n, m.tet_slots() / 2);
+  for (std::size_t i = 0; i < nv; ++i) {
+    const auto v = to_id<VertId>(2 * i);
+    old2new[v] = m.coords.push_back(m.coords[v]);
+    m.vert_ref.push_back(m.vert_ref[v]);
+    m.vert_flags.push_back(m.vert_flags[v]);
+    m.vert2tet.push_back(m.vert2tet[v]);
+    p.metric.push_back_log(SymTensor{p.metric.log_at[v]});
+    m.vert2tet[v] = kNoTet;
+    p.free_verts.insert(p.free_verts.begin(), v);
+  }
+  for (auto& tv : m.tet2vert) {
+    for (VertId& v : tv) v = old2new[v];
+  }
+  FeatureEdges features;
+  for (const auto& e : m.features.list()) features.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
+  m.features = std::move(features);
+  for (std::size_t i = 0; i < nt; ++i) {
+    const auto t = to_id<TetId>(2 * i);
+    const TetId to = m.tet2vert.push_back(m.tet2vert[t]);
+    m.tet2face.push_back(m.tet2face[t]);
+    m.face_tag.push_back(m.face_tag[t]);
+    m.tet_ref.push_back(m.tet_ref[t]);
+    for (const VertId v : m.tet2vert[to]) m.vert2tet[v] = to;
+    for (int f = 0; f < 4; ++f) {
+      const FaceId other = m.tet2face[to][static_cast<std::size_t>(f)];
+      if (other != kNoFace) link_faces(m, other, make_face(to, f));
+    }
+    m.tet2vert[t].fill(kNoVert);
+    m.tet2face[t].fill(kNoFace);
+    p.free_tets.insert(p.free_tets.begin(), t);
+  }
+  return old2new;
+}
+
 /// Gaps are filled from the end where they are few, else all moves up: the mesh is the same, and numbers follow.
 TEST(Gaps, AreClosedWithoutAChange) {
   std::array<int, 2> seen{};  // few, many
@@ -143,6 +184,45 @@ TEST_P(Blocks, CutAndMergedAreTheMeshAgain) {
       EXPECT_TRUE(merged.old2new[v] == kNoVert || merged.mesh.coords[merged.old2new[v]] == w.mesh.coords[v]);
     }
   }
+}
+
+/// Free slots of the first block are filled with what is in the others, and those of the others do not come along; few
+/// or many of them, in blocks of like sizes or in a large one beside small ones, which have not enough to fill it.
+TEST_P(Blocks, GapsAreFilledWhenBlocksAreMerged) {
+  const int blocks = GetParam();
+  const Whole w = whole(1);
+  std::array<int, 2> seen{};
+  for (const bool small : {false, true}) {
+    for (const std::size_t gaps : {0, 1, 12, 60, 300}) {
+      TetMesh copy = w.mesh;
+      BlockLabels label = cut_blocks(copy, w.metric, blocks);
+      if (small) {
+        for (const TetId t : IdRange<TetId>(label.size())) label[t] = idx(t) < 4 ? 1 : 0;
+      }
+      auto parts = cut(w, label, blocks);
+      for (std::size_t b = 0; b < parts.size(); ++b) {
+        Part& p = parts[b].part;
+        seal_block(parts[b], make_gaps(p, (b + 1) * gaps));
+        ASSERT_EQ(check(p.mesh), "");
+        if (b == 0) ++seen[p.free_tets.size() > 4 ? 1 : 0];
+      }
+      const Merged merged = merge_blocks(parts, w.mesh.vert_slots());
+      ASSERT_EQ(check(merged.mesh), "");
+      EXPECT_EQ(content(merged.mesh, merged.metric), content(w.mesh, w.metric));
+      EXPECT_EQ(merged.mesh.vert_slots(), w.mesh.vert_slots());
+      EXPECT_EQ(merged.mesh.tet_slots(), w.mesh.tet_slots());
+      EXPECT_EQ(merged.metric.size(), w.mesh.vert_slots());
+      const auto between = between_blocks(w.mesh, label);
+      EXPECT_EQ(merged.between.size(), static_cast<std::size_t>(std::count(between.begin(), between.end(), 1)));
+      EXPECT_TRUE(std::is_sorted(merged.between.begin(), merged.between.end()));
+      for (const VertId v : IdRange<VertId>(w.mesh.vert_slots())) {
+        ASSERT_EQ(merged.old2new[v] != kNoVert, w.mesh.has(v, kFrozen));
+        EXPECT_TRUE(merged.old2new[v] == kNoVert || merged.mesh.coords[merged.old2new[v]] == w.mesh.coords[v]);
+      }
+    }
+  }
+  EXPECT_GT(seen[0], 0);
+  EXPECT_GT(seen[1], 0);
 }
 
 TEST_P(Blocks, WithRefinedInterfacesTheyFitTogether) {
