@@ -97,12 +97,16 @@ BlockLabels cut_slabs(const TetMesh& mesh, int slabs) {
 std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
                                LocalResult& result) {
   const auto between = between_blocks(mesh, label);
+  // A band grows by little, and all is put behind the first block in the end.
+  const auto points = o.kernel.only_held ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh, metric));
+  const auto share = points / static_cast<std::size_t>(o.threads);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
   std::vector<char> refined(blocks.size(), 0);
   const auto of = [](auto& list, int b) -> auto& { return list[static_cast<std::size_t>(b)]; };
   in_parallel(o.threads, [&](int b) {
     Block& block = of(blocks, b);
     block = cut_block(mesh, metric, label, between, b);
+    reserve(block.part, b == 0 ? points : share);
     set_up(block.part, o);
     of(refined, b) = refine_block_interface(block) ? 1 : 0;
   });
@@ -111,15 +115,14 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   if (coarse) {
     in_parallel(o.threads, [&](int b) {
       of(blocks, b) = cut_block(mesh, metric, label, between, b);
+      reserve(of(blocks, b).part, b == 0 ? points : share);
       set_up(of(blocks, b).part, o);
     });
   }
-  const auto points = static_cast<std::size_t>(expected_points(mesh, metric));
   mesh = TetMesh{};
   metric = MetricField{};
   in_parallel(o.threads, [&](int b) {
     Block& block = of(blocks, b);
-    if (b == 0) reserve(block.part, points);  // the others are put behind the first in the end
     seal_block(block, run(block.part));
   });
   for (const Block& b : blocks) {

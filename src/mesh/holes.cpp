@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "mesh/parallel.hpp"
 
@@ -31,22 +32,25 @@ void move_tet(TetMesh& m, TetId from, TetId to) {
 
 void link_equal_faces(TetMesh& m, std::span<const FaceId> faces) {
   struct Side {
-    std::int64_t low;  ///< the two vertices with the lowest numbers in one
-    VertId high;
-    FaceId face;
-    auto operator<=>(const Side&) const = default;
+    std::int64_t low = -1;  ///< the two vertices with the lowest numbers in one; -1: there is none
+    VertId high = kNoVert;
+    FaceId face = kNoFace;
   };
-  std::vector<Side> sides(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    auto v = face_verts(m, faces[i]);
+  // Open addressing, at most half full; a face that has its neighbour stays, as others may have been pushed on by it.
+  std::vector<Side> sides(std::bit_ceil(2 * faces.size() + 1));
+  const std::size_t mask = sides.size() - 1;
+  for (const FaceId f : faces) {
+    auto v = face_verts(m, f);
     std::sort(v.begin(), v.end());
-    sides[i] = {std::int64_t{num(v[0])} << 32 | num(v[1]), v[2], faces[i]};
-  }
-  std::sort(sides.begin(), sides.end());
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    if (sides[i].low != sides[i + 1].low || sides[i].high != sides[i + 1].high) continue;
-    link_faces(m, sides[i].face, sides[i + 1].face);
-    ++i;
+    const std::int64_t low = std::int64_t{num(v[0])} << 32 | num(v[1]);
+    const auto key = static_cast<std::uint64_t>(low) + static_cast<std::uint64_t>(num(v[2])) * 0xbf58476d1ce4e5b9U;
+    std::size_t s = (key ^ key >> 29) * 0x9e3779b97f4a7c15U >> 20 & mask;
+    while (sides[s].low >= 0 && (sides[s].low != low || sides[s].high != v[2])) s = (s + 1) & mask;
+    if (sides[s].low >= 0) {
+      link_faces(m, sides[s].face, f);
+    } else {
+      sides[s] = {low, v[2], f};
+    }
   }
 }
 
