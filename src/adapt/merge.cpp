@@ -7,8 +7,22 @@
 #include "adapt/gaps.hpp"
 #include "mesh/holes.hpp"
 #include "mesh/parallel.hpp"
+#include "mesh/subset.hpp"
 
 namespace skein {
+
+namespace {
+
+/// Ids below n, each once.
+template <Identifier Id>
+std::vector<Id> ascending(const std::vector<Id>& ids, std::size_t n) {
+  Subset<Id> set(n);
+  for (const Id i : ids) set.insert(i);
+  set.number();
+  return set.members();
+}
+
+}  // namespace
 
 void seal_block(Block& block, const IdVector<VertId, VertId>& old2new) {
   Part& p = block.part;
@@ -22,8 +36,8 @@ void seal_block(Block& block, const IdVector<VertId, VertId>& old2new) {
   IdVector<VertId, VertId> up;
   const bool few = are_few(p.free_tets.size(), p.mesh.tet_slots());
   if (few) {
-    std::sort(p.free_tets.begin(), p.free_tets.end());
-    std::sort(p.free_verts.begin(), p.free_verts.end());
+    p.free_tets = ascending(p.free_tets, p.mesh.tet_slots());
+    p.free_verts = ascending(p.free_verts, p.mesh.vert_slots());
   } else {
     up = close_gaps(p.mesh, p.metric);
     p.free_tets.clear();
