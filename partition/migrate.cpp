@@ -6,6 +6,7 @@
 
 #include "mesh/error.hpp"
 #include "mesh/holes.hpp"
+#include "mesh/subset.hpp"
 #include "mesh/surroundings.hpp"
 #include "partition/feature_scan.hpp"
 #include "partition/rendezvous.hpp"
@@ -120,8 +121,12 @@ class Packer {
   void pack_block(Rank r) {
     const TetMesh& m = dist_.mesh;
     used_.clear();
+    const std::size_t n = leaving_.offset[idx(r) + 1] - leaving_.offset[idx(r)];
+    load_.tets.items.reserve(load_.tets.items.size() + n);
     for (std::size_t i = leaving_.offset[idx(r)]; i < leaving_.offset[idx(r) + 1]; ++i) pack_tet(leaving_.tets[i], r);
     close_block(load_.tets, r);
+    load_.verts.items.reserve(load_.verts.items.size() + used_.size());
+    load_.data.items.reserve(load_.data.items.size() + used_.size() * static_cast<std::size_t>(dist_.data.width));
     for (const VertId v : used_) {
       load_.verts.items.push_back(
           {dist_.vert2gid[v], m.coords[v], m.vert_ref[v], m.vert_flags[v], static_cast<std::uint8_t>(shared_[v]), 0});
@@ -196,12 +201,16 @@ class Stayers {
   }
 
   Staying find(const std::vector<FeatureUse>& features) {
-    Surroundings near(m_, touched_);
-    near.add_all_tets();
-    for (const TetId t : near.tets()) {
-      if (leaving_.leaves[t] == 0) look_at(t, !features.empty());
+    // The tetrahedra at a vertex or an edge hang together over faces, so that one that stays is a neighbour of one that
+    // leaves, or they do not, and then those that stay have a face without a neighbour there.
+    for (const TetId t : leaving_.tets) {
+      for (const FaceId f : m_.tet2face[t]) {
+        if (f != kNoFace && leaving_.leaves[face_tet(f)] == 0) look_at(face_tet(f), !features.empty());
+      }
     }
-    find_open();
+    visit_open_tets(m_, [&](TetId t) {
+      if (leaving_.leaves[t] == 0) look_at_open(t, !features.empty());
+    });
     for (const VertId v : touched_) (state_[v] == kStays ? out_.verts : out_.gone).push_back(v);
     std::sort(out_.gone.begin(), out_.gone.end());
     const auto gone = [&](VertId v) { return state_[v] == kTouched; };
@@ -227,14 +236,12 @@ class Stayers {
     }
   }
 
-  void find_open() {
-    visit_open_tets(m_, [&](TetId t) {
-      if (!m_.is_live(t) || leaving_.leaves[t] != 0) return;
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k]))
-          out_.open.push_back(make_face(t, static_cast<int>(k)));
-      }
-    });
+  void look_at_open(TetId t, bool features) {
+    look_at(t, features);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k]))
+        out_.open.push_back(make_face(t, static_cast<int>(k)));
+    }
   }
 
   TetMesh& m_;
@@ -249,9 +256,11 @@ class Stayers {
 class Arrival {
  public:
   Arrival(DistMesh& dist, const Load& load, const Leaving& leaving, Staying staying)
-      : dist_(dist), m_(dist.mesh), load_(load), staying_(std::move(staying)), free_tets_(leaving.tets) {
-    std::sort(free_tets_.begin(), free_tets_.end());
-  }
+      : dist_(dist),
+        m_(dist.mesh),
+        load_(load),
+        staying_(std::move(staying)),
+        free_tets_(ascending(leaving.tets, dist.mesh.tet_slots())) {}
 
   /// Gives the vertices that may be shared now.
   std::vector<VertId> run() {

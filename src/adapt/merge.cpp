@@ -11,19 +11,6 @@
 
 namespace skein {
 
-namespace {
-
-/// Ids below n, each once.
-template <Identifier Id>
-std::vector<Id> ascending(const std::vector<Id>& ids, std::size_t n) {
-  Subset<Id> set(n);
-  for (const Id i : ids) set.insert(i);
-  set.number();
-  return set.members();
-}
-
-}  // namespace
-
 void seal_block(Block& block, const IdVector<VertId, VertId>& old2new) {
   Part& p = block.part;
   p.q3 = {};

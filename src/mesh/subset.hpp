@@ -55,4 +55,13 @@ class Subset {
   std::size_t size_ = 0;
 };
 
+/// Different ids below n, put in order.
+template <Identifier Id>
+std::vector<Id> ascending(const std::vector<Id>& ids, std::size_t n) {
+  Subset<Id> set(n);
+  for (const Id i : ids) set.insert(i);
+  set.number();
+  return set.members();
+}
+
 }  // namespace skein
