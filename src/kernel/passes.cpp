@@ -58,7 +58,10 @@ class Passes {
   }
 
   std::int64_t collapse_short(double below, double max_length, double floor_q3);
-  std::int64_t create_points();
+  /// Along edges longer than `times` split_above.
+  std::int64_t create_points(double times = 1);
+  /// The same, as a first step: what is shorter is left to the next one.
+  std::int64_t create_coarse_points(double times);
   std::int64_t swap_below(double quality);
   std::int64_t smooth_below(double quality);
   /// Bounds for edges that the passes have left far from unit length.
@@ -99,7 +102,7 @@ class Passes {
   Outcome collapse_in(TetId t, double below, double max_length, double floor_q3);
   /// Splits the longest of the edges above this length that can be; `hunt`: with more than one place for the point.
   Outcome split_in(TetId t, double above, bool hunt = false);
-  void centroid_in(TetId t);
+  void centroid_in(TetId t, double above);
   [[nodiscard]] bool is_bad(TetId t) const noexcept;
   /// Cannot be worked with. Where only what was held is worked on, idle vertices do not count: they have had a round
   /// with nothing in their way, and would hand each other on for ever.
@@ -236,19 +239,17 @@ Passes::Outcome Passes::split_in(TetId t, double above, bool hunt) {
   return n_long == 0 && mask == all ? Outcome::kNothingToDo : Outcome::kInVain;
 }
 
-void Passes::centroid_in(TetId t) {
+void Passes::centroid_in(TetId t, double above) {
   bool is_long = false;
   measure(part_, part_.mesh.tet2vert[t], part_.edges[t].may_be_long,
-          [&](std::size_t, VertId, VertId, double la, double lb) {
-            is_long = is_long || log_mean(la, lb) > part_.options.split_above;
-          });
+          [&](std::size_t, VertId, VertId, double la, double lb) { is_long = is_long || log_mean(la, lb) > above; });
   if (!is_long) return;
   if (insert_.inside(t, {0.25, 0.25, 0.25, 0.25}, part_.options.length_min_new) == InsertResult::kDone) return;
   // The boundary is refined along its edges, and what centroids cannot reach.
-  split_in(t, part_.options.split_above);
+  split_in(t, above);
 }
 
-std::int64_t Passes::create_points() {
+std::int64_t Passes::create_points(double times) {
   const std::int64_t before = part_.counts.insert;
   if (expected_ < 0) {
     expected_ = expected_points(part_.mesh, part_.metric);
@@ -256,17 +257,26 @@ std::int64_t Passes::create_points() {
   }
   const std::int64_t enough = before + kRunaway * expected_;
   const auto wanted = [&](TetId t) { return part_.edges[t].may_be_long != 0; };
+  const double above = times * part_.options.split_above, min_new = part_.options.length_min_new;
+  part_.options.length_min_new *= times;
   sweep(kInsertPass, 100, wanted, [&](TetId t) {
     if (part_.counts.insert > enough) return;
     // In needles the distance to what is near cannot be seen from the cavity: better connected first.
     if (part_.q3[t] < kNeedle && swap_.any(t)) return;
     if (part_.options.centroid_points) {
-      centroid_in(t);
+      centroid_in(t, above);
     } else {
-      split_in(t, part_.options.split_above);
+      split_in(t, above);
     }
   });
+  part_.options.length_min_new = min_new;
   return part_.counts.insert - before;
+}
+
+std::int64_t Passes::create_coarse_points(double times) {
+  const std::int64_t created = create_points(times);
+  for (auto& d : part_.dirty) d = static_cast<std::uint8_t>(d | ((d & kToHunt) != 0 ? kInsertPass : 0));
+  return created;
 }
 
 std::int64_t Passes::swap_below(double quality) {
@@ -437,6 +447,9 @@ constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
 /// worked on.
 constexpr double kAdaptedBefore = 0.3, kSettledShare = 0.04, kFewBad = 0.0003;
 constexpr double kBad = 0.2;  ///< quality below which an element is hunted carefully in any mesh
+/// Points are created along edges longer than so many times split_above first, all over, and then along the others: two
+/// steps of halves find better places than one in which long edges are split beside short ones.
+constexpr double kCoarse = 2;
 constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
 constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
 constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
@@ -449,6 +462,10 @@ Care main_turns(Passes& pass, Part& part) {
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
   const auto verts = [&] { return static_cast<std::int64_t>(part.mesh.vert_slots() - part.free_verts.size()); };
   const Care care = part.counts.collapse > verts() ? kCoarsened : kRefined;
+  if (!o.only_held && kSettled * pass.create_coarse_points(kCoarse) > verts()) {
+    pass.swap_below(care.swap);
+    pass.smooth_below(0.9);
+  }
   pass.create_points();
   pass.order_if_grown();
   for (int i = 0; i < kMostTurns; ++i) {
