@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "kernel/interface.hpp"
 #include "mesh/parallel.hpp"
@@ -187,10 +188,22 @@ Block cut_block(const TetMesh& m, const MetricField& metric, const BlockLabels& 
   return out;
 }
 
-bool refine_block_interface(Block& block) {
+void follow(Block& block, const IdVector<VertId, VertId>& old2new) {
+  IdVector<VertId, GlobalId> id(block.part.mesh.vert_slots(), kNoGlobal);
+  for (VertId& v : block.common) {
+    id[old2new[v]] = block.id[v];
+    v = old2new[v];
+  }
+  for (VertId& v : block.frozen) v = old2new[v];
+  block.id = std::move(id);
+}
+
+bool refine_block_interface(Block& block, double times) {
   const std::size_t before = block.part.mesh.vert_slots();
+  const auto free = std::exchange(block.part.free_verts, {});  // what is new shall be at the end
   const int keep = kWasFrozen | (block.part.options.surface ? 0 : kSurface);
-  if (!refine_interface(block.part, block.id, static_cast<std::uint8_t>(keep))) return false;
+  if (!refine_interface(block.part, block.id, static_cast<std::uint8_t>(keep), times)) return false;
+  block.part.free_verts = free;
   for (std::size_t i = before; i < block.part.mesh.vert_slots(); ++i) block.common.push_back(to_id<VertId>(i));
   return true;
 }

@@ -44,9 +44,12 @@ struct Block {
 Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabels& label,
                 const IdVector<VertId, char>& between, int b);
 
+/// Follows a renumbering of the part's vertices, old -> new, in which what other blocks have, too, stays. Thread-safe.
+void follow(Block& block, const IdVector<VertId, VertId>& old2new);
+
 /// Refines the interface to other blocks where its edges are too long (refine_interface). False when that fails; the
 /// block is then of no use. Thread-safe.
-bool refine_block_interface(Block& block);
+bool refine_block_interface(Block& block, double times = 1);
 
 /// Follows a renumbering of the part's vertices (adapt_part) and finds the free slots, which it takes out where they
 /// are many. Thread-safe.

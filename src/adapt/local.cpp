@@ -99,6 +99,11 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   const auto between = between_blocks(mesh, label);
   // A band grows by little, and all is put behind the first block in the end.
   const auto points = o.kernel.only_held ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh, metric));
+  // Points are created in two steps, and the interface is refined for each of them; to what is frozen, which is as it
+  // is, in one, so that splits come as near to it as they may.
+  const bool in_steps =
+      !o.kernel.only_held && o.kernel.surface &&
+      std::all_of(result.old2new.begin(), result.old2new.end(), [](VertId v) { return v == kNoVert; });
   const auto share = points / static_cast<std::size_t>(o.threads);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
   std::vector<char> refined(blocks.size(), 0);
@@ -108,7 +113,9 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
     block = cut_block(mesh, metric, label, between, b);
     reserve(block.part, b == 0 ? points : share);
     set_up(block.part, o);
-    of(refined, b) = refine_block_interface(block) ? 1 : 0;
+    bool done = true;
+    if (in_steps && (done = refine_block_interface(block, kCoarse))) follow(block, create_coarse_points(block.part));
+    of(refined, b) = done && refine_block_interface(block) ? 1 : 0;
   });
   const std::size_t old_verts = mesh.vert_slots();
   const bool coarse = std::find(refined.begin(), refined.end(), 0) != refined.end();  // all or none

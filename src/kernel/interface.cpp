@@ -101,8 +101,8 @@ class EdgeFaces {
 
 class InterfaceRefiner {
  public:
-  InterfaceRefiner(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep)
-      : part_(part), gid_(gid), cavity_(part), keep_(keep) {}
+  InterfaceRefiner(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep, double longest)
+      : part_(part), gid_(gid), cavity_(part), keep_(keep), longest_(longest) {}
 
   bool run() {
     collect();
@@ -142,6 +142,7 @@ class InterfaceRefiner {
   IdVector<VertId, GlobalId>& gid_;
   Cavity cavity_;
   std::uint8_t keep_;
+  double longest_;
   IdVector<VertId, int> generation_;  ///< as far as there are new vertices
   Shell shell_;
   std::priority_queue<Entry> queue_;
@@ -155,7 +156,7 @@ void InterfaceRefiner::enqueue(VertId a, VertId b) {
   if ((keep_a && generation(b) >= kDeepest) || (keep_b && generation(a) >= kDeepest)) return;
   if (gid_[b] < gid_[a]) std::swap(a, b);
   const double l = shared_length(part_, a, b);
-  if (l > part_.options.split_above) queue_.push({l, gid_[a], gid_[b], a, b});
+  if (l > longest_) queue_.push({l, gid_[a], gid_[b], a, b});
 }
 
 void InterfaceRefiner::add_face(TetId t, int side) {
@@ -255,8 +256,8 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
 
 }  // namespace
 
-bool refine_interface(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep) {
-  return InterfaceRefiner(part, gid, keep).run();
+bool refine_interface(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep, double times) {
+  return InterfaceRefiner(part, gid, keep, times * part.options.split_above).run();
 }
 
 }  // namespace skein

@@ -127,6 +127,9 @@ struct Part {
   IdVector<TetId, std::uint8_t> dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it
   IdVector<TetId, EdgeBits> edges;
 
+  [[nodiscard]] std::int64_t live_verts() const noexcept {
+    return std::ssize(mesh.coords.raw()) - std::ssize(free_verts);
+  }
   [[nodiscard]] Vec3 x(VertId v) const noexcept { return mesh.coords[v]; }
   [[nodiscard]] double length(VertId a, VertId b) const noexcept {
     return edge_length(metric.at[a].m, metric.at[b].m, x(b) - x(a));

@@ -60,8 +60,8 @@ class Passes {
   std::int64_t collapse_short(double below, double max_length, double floor_q3);
   /// Along edges longer than `times` split_above.
   std::int64_t create_points(double times = 1);
-  /// The same, as a first step: what is shorter is left to the next one.
-  std::int64_t create_coarse_points(double times);
+  /// Along edges longer than kCoarse split_above, as a first step: what is shorter is left to the next one.
+  std::int64_t create_coarse_points();
   std::int64_t swap_below(double quality);
   std::int64_t smooth_below(double quality);
   /// Bounds for edges that the passes have left far from unit length.
@@ -273,8 +273,8 @@ std::int64_t Passes::create_points(double times) {
   return part_.counts.insert - before;
 }
 
-std::int64_t Passes::create_coarse_points(double times) {
-  const std::int64_t created = create_points(times);
+std::int64_t Passes::create_coarse_points() {
+  const std::int64_t created = create_points(kCoarse);
   for (auto& d : part_.dirty) d = static_cast<std::uint8_t>(d | ((d & kToHunt) != 0 ? kInsertPass : 0));
   return created;
 }
@@ -447,12 +447,16 @@ constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
 /// worked on.
 constexpr double kAdaptedBefore = 0.3, kSettledShare = 0.04, kFewBad = 0.0003;
 constexpr double kBad = 0.2;  ///< quality below which an element is hunted carefully in any mesh
-/// Points are created along edges longer than so many times split_above first, all over, and then along the others: two
-/// steps of halves find better places than one in which long edges are split beside short ones.
-constexpr double kCoarse = 2;
 constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
 constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
 constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
+
+/// The first step of halves; good places for the next one need good elements.
+void create_coarse_points(Passes& pass, const Part& part, Care care) {
+  if (kSettled * pass.create_coarse_points() <= part.live_verts()) return;
+  pass.swap_below(care.swap);
+  pass.smooth_below(0.9);
+}
 
 /// Makes the part fit, but for single edges and elements.
 Care main_turns(Passes& pass, Part& part) {
@@ -460,12 +464,8 @@ Care main_turns(Passes& pass, Part& part) {
   // Much shorter ones first, where there may be many.
   if (!o.only_held) pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
-  const auto verts = [&] { return static_cast<std::int64_t>(part.mesh.vert_slots() - part.free_verts.size()); };
-  const Care care = part.counts.collapse > verts() ? kCoarsened : kRefined;
-  if (!o.only_held && kSettled * pass.create_coarse_points(kCoarse) > verts()) {
-    pass.swap_below(care.swap);
-    pass.smooth_below(0.9);
-  }
+  const Care care = part.counts.collapse > part.live_verts() ? kCoarsened : kRefined;
+  if (!o.only_held) create_coarse_points(pass, part, care);
   pass.create_points();
   pass.order_if_grown();
   for (int i = 0; i < kMostTurns; ++i) {
@@ -473,7 +473,7 @@ Care main_turns(Passes& pass, Part& part) {
     pass.smooth_below(0.9);
     std::int64_t changed = pass.collapse_short(o.collapse_below, care.stretch * o.split_above, kFloor);
     changed += pass.create_points();
-    if (i + 1 >= o.least_turns && kSettled * changed <= verts()) break;
+    if (i + 1 >= o.least_turns && kSettled * changed <= part.live_verts()) break;
   }
   return care;
 }
@@ -542,6 +542,12 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   part.anchors = {};
   pass.count_poor(kPoor);
   pass.mark_held();
+  return std::move(pass.old2new());
+}
+
+IdVector<VertId, VertId> create_coarse_points(Part& part) {
+  Passes pass(part);
+  create_coarse_points(pass, part, kRefined);
   return std::move(pass.old2new());
 }
 

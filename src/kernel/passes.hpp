@@ -10,4 +10,11 @@ namespace skein {
 /// Renumbers the part; returns old vertex -> new vertex (kNoVert for those that are gone).
 IdVector<VertId, VertId> adapt_part(Part& part);
 
+/// Points are created along edges longer than so many times KernelOptions::split_above first, all over, and then along
+/// the others: two steps of halves find better places than one in which long edges are split beside short ones.
+inline constexpr double kCoarse = 2;
+/// The first of these steps alone, which adapt_part then finds done: between the two, an interface may be refined that
+/// has been refined for the first one. Conditions and result as there.
+IdVector<VertId, VertId> create_coarse_points(Part& part);
+
 }  // namespace skein

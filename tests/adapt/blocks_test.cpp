@@ -243,6 +243,52 @@ TEST_P(Blocks, WithRefinedInterfacesTheyFitTogether) {
   }
 }
 
+/// Between the two steps in which points are created, the blocks change on their own, and their interfaces still fit.
+TEST_P(Blocks, WithInterfacesRefinedInTwoStepsTheyFitTogether) {
+  constexpr double kSize = 0.03;
+  const int blocks = GetParam();
+  Whole w;
+  w.mesh = make_mesh({.n = 5, .two_regions = true, .required = true, .perturb = 0.2});
+  compact(w.mesh);
+  for (std::size_t v = 0; v < w.mesh.vert_slots(); ++v) w.metric.push_back_log(log(isotropic(1 / (kSize * kSize))));
+  const Measures before = measure(w.mesh);
+  auto parts = cut(w, cut_blocks(w.mesh, w.metric, blocks), blocks);
+  const auto longest = [](const Block& b) {
+    double l = 0;
+    for (const auto& v : interface_faces(b.part.mesh)) {
+      for (std::size_t i = 0; i < 3; ++i) l = std::max(l, b.part.length(v[i], v[(i + 1) % 3]));
+    }
+    return l;
+  };
+  for (Block& b : parts) {
+    prepare(b.part);
+    const double above = b.part.options.split_above;
+    ASSERT_TRUE(refine_block_interface(b, kCoarse));
+    EXPECT_LE(longest(b), kCoarse * above);
+    EXPECT_GT(longest(b), above);  // else the second step has nothing to do
+    const std::size_t coarse = b.common.size();
+    const std::int64_t inserted = b.part.counts.insert;
+    follow(b, create_coarse_points(b.part));
+    EXPECT_GT(b.part.counts.insert, inserted);
+    ASSERT_TRUE(refine_block_interface(b));
+    EXPECT_LE(longest(b), above);
+    EXPECT_GT(b.common.size(), coarse);
+    ASSERT_EQ(check(b.part.mesh), "");
+    const std::set<GlobalId> ids = [&] {
+      std::set<GlobalId> out;
+      for (const VertId v : b.common) out.insert(b.id[v]);
+      return out;
+    }();
+    EXPECT_EQ(ids.size(), b.common.size());
+    EXPECT_FALSE(ids.contains(kNoGlobal));
+  }
+  seal(parts);
+  const Merged merged = merge_blocks(parts, w.mesh.vert_slots());
+  ASSERT_EQ(check(merged.mesh), "");
+  EXPECT_TRUE(interface_faces(merged.mesh).empty());
+  EXPECT_EQ(differ(before, measure(merged.mesh), 1e-12), "");
+}
+
 TEST_P(Blocks, AreCutFromARanksMesh) {
   Whole w = whole(0);
   for (const TetId t : IdRange<TetId>(w.mesh.tet_slots())) {  // its side of y = 0 lies between ranks
