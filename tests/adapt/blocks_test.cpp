@@ -248,7 +248,7 @@ TEST_P(Blocks, WithInterfacesRefinedInTwoStepsTheyFitTogether) {
   constexpr double kSize = 0.03;
   const int blocks = GetParam();
   Whole w;
-  w.mesh = make_mesh({.n = 5, .two_regions = true, .required = true});  // plane patches keep their areas
+  w.mesh = make_mesh({.n = 6, .two_regions = true, .required = true});  // plane patches keep their areas
   compact(w.mesh);
   for (std::size_t v = 0; v < w.mesh.vert_slots(); ++v) w.metric.push_back_log(log(isotropic(1 / (kSize * kSize))));
   const Measures before = measure(w.mesh);
