@@ -29,7 +29,7 @@ constexpr double kHardQuality = 0.45;
 constexpr std::int64_t kSettled = 20;
 constexpr int kMostTurns = 5;
 /// A mesh that has grown by this factor is put in order again, if it is larger than the caches.
-constexpr std::size_t kGrowth = 2, kSmallMesh = 50'000;
+constexpr std::size_t kGrowth = 3, kSmallMesh = 50'000;
 constexpr std::size_t kAhead = 2;  ///< moves between asking for data and using them
 constexpr int kTetsAhead = 16;     ///< the same for the tetrahedra of a sweep
 constexpr unsigned kFetching = kSwapPass | kInsertPass | kCollapsePass;  ///< sweeps that read the neighbours
@@ -442,6 +442,9 @@ constexpr double kHardShare = 0.05;
 /// The same for elements below kBad: round a surface that stays, far coarser than the metric.
 constexpr double kHardShareOfBad = 0.01;
 constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
+/// Quality below which elements are smoothed in the first of the main turns and in the others: between the two there is
+/// much to move by then, and nothing to gain.
+constexpr double kSmoothed = 0.9, kSmoothedAgain = 0.85;
 /// Of such a mesh: with fewer strained edges than this it has been adapted to this metric before; with fewer than the
 /// second and next to no bad elements the main turns would move much for little, and only single edges and elements are
 /// worked on.
@@ -455,7 +458,7 @@ constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new 
 void create_coarse_points(Passes& pass, const Part& part, Care care) {
   if (kSettled * pass.create_coarse_points() <= part.live_verts()) return;
   pass.swap_below(care.swap);
-  pass.smooth_below(0.9);
+  pass.smooth_below(kSmoothed);
 }
 
 /// Makes the part fit, but for single edges and elements.
@@ -470,7 +473,7 @@ Care main_turns(Passes& pass, Part& part) {
   pass.order_if_grown();
   for (int i = 0; i < kMostTurns; ++i) {
     pass.swap_below(care.swap);
-    pass.smooth_below(0.9);
+    pass.smooth_below(i == 0 ? kSmoothed : kSmoothedAgain);
     std::int64_t changed = pass.collapse_short(o.collapse_below, care.stretch * o.split_above, kFloor);
     changed += pass.create_points();
     if (i + 1 >= o.least_turns && kSettled * changed <= part.live_verts()) break;
