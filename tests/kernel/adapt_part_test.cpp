@@ -226,6 +226,52 @@ INSTANTIATE_TEST_SUITE_P(Metrics, Fits,
                                            std::array{0.03, 0.15, 0.15}, std::array{0.06, 0.06, 0.25},
                                            std::array{0.03, 0.1, 0.2}));
 
+/// The first step creates few points, and what it leaves long is for the second one.
+TEST(AdaptPart, CreatesPointsInTwoSteps) {
+  SmoothMetric metric;
+  metric.size = {0.04, 0.04, 0.04};
+  metric.turn = {0, 0, 0};
+  Part p = make_part({.n = 5, .two_regions = true, .perturb = 0.2}, metric);
+  const auto lengths = [&] { return std::pair{fit(p).unit_share, fit(p).above_two}; };
+  const double long_before = lengths().second;
+  create_coarse_points(p);
+  ASSERT_EQ(judge(p), "");
+  const std::int64_t coarse = p.counts.insert;
+  const auto [unit, above_two] = lengths();
+  EXPECT_GT(coarse, 0);
+  EXPECT_GT(long_before, 0.99);
+  EXPECT_LT(unit, 0.5);       // not the work of the second step
+  EXPECT_GT(above_two, 0.1);  // between the bound of the second step and that of the first
+  EXPECT_LT(fit(p).longest, 2 * kCoarse * p.options.split_above);
+  adapt_part(p);
+  ASSERT_EQ(judge(p), "");
+  EXPECT_GT(p.counts.insert, 4 * coarse);
+  EXPECT_GT(fit(p).unit_share, 0.95);
+  EXPECT_EQ(fit(p).above_two, 0);
+}
+
+/// All that have a bit, in order, also what a visit adds behind them, unless it is beyond the end.
+TEST(Dirty, IsVisitedWhereThereIsABit) {
+  for (const std::size_t n : {0, 1, 7, 8, 9, 40}) {
+    for (const bool to_the_end : {false, true}) {
+      Part p;
+      for (std::size_t i = 0; i < n; ++i) p.dirty.push_back(i % 3 == 0 ? kInsertPass : i % 11 == 5 ? kSwapPass : 0);
+      std::vector<TetId> expected, visited;
+      for (std::size_t i = 0; i < n; i += 3) expected.push_back(to_id<TetId>(i));
+      std::size_t added = 0;
+      for_each_dirty(p, kInsertPass, to_the_end ? n : 1000, [&](TetId t) {
+        visited.push_back(t);
+        p.dirty[t] = 0;
+        if (added == 12) return;
+        if (!to_the_end) expected.push_back(to_id<TetId>(p.dirty.size()));
+        p.dirty.push_back(kInsertPass);
+        ++added;
+      });
+      EXPECT_EQ(visited, expected) << n;
+    }
+  }
+}
+
 TEST(AdaptPart, GivesTheSameBytesAgain) {
   const auto run = [] {
     std::mt19937 random(7);
