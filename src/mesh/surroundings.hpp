@@ -64,6 +64,12 @@ class Surroundings {
   /// All tetrahedra at the vertices so far. The tetrahedra at a vertex hang together over faces; where they do not, on
   /// the interface between ranks, the vertex is frozen and it does no harm to miss some.
   void add_tets() {
+    const std::size_t fresh = verts_.size() - searched_;
+    searched_ = verts_.size();
+    if (kScanFrom * fresh > m_.tet_slots()) {
+      look_at_all();
+      return;
+    }
     for (; next_tet_ < tets_.size(); ++next_tet_) {
       for (const FaceId f : m_.tet2face[tets_[next_tet_]]) {
         if (f == kNoFace || inside_[face_tet(f)] != 0) continue;
@@ -124,11 +130,22 @@ class Surroundings {
       return inside_[t] != 0;
     });
   }
+  void look_at_all() {
+    for (const TetId t : IdRange<TetId>(m_.tet_slots())) {
+      const auto& v = m_.tet2vert[t];
+      if (v[0] != kNoVert && (seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
+    }
+    next_tet_ = tets_.size();
+  }
   void enter(TetId t) {
     if (inside_[t] != 0) return;
     inside_[t] = 1;
     tets_.push_back(t);
   }
+
+  /// From one new vertex for so many tetrahedra on, a look at all of these is quicker than at neighbours of those
+  /// found.
+  static constexpr std::size_t kScanFrom = 200;
 
   const TetMesh& m_;
   IdVector<VertId, char> seen_;
@@ -136,6 +153,7 @@ class Surroundings {
   std::vector<VertId> verts_;
   std::vector<TetId> tets_, open_;  ///< of the open ones, those that are not inside yet
   bool open_known_ = false;
+  std::size_t searched_ = 0;                   ///< vertices whose tetrahedra have been added
   std::size_t next_tet_ = 0, newest_tet_ = 0;  ///< to look round; to take the vertices of
 };
 
