@@ -1,12 +1,17 @@
-// Times of the kernel's primitives and operators: kernel_bench [--benchmark_filter=...].
+// Times of the kernel's primitives and operators: kernel_bench [--benchmark_filter=...]. One JSON line each, or what
+// --benchmark_format asks for. Cycles are of the processor's nominal frequency.
 //
 // Operators run over a whole mesh of some 50,000 tetrahedra whose metric asks for them. Counters: `tried` and `done`
 // operations per sweep; `ns_per_done` is the time of the whole sweep, refusals included, over what was done, and
 // `ns_per_try` the same over all attempts.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iostream>
+#include <nlohmann/json.hpp>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "kernel/collapse.hpp"
@@ -62,8 +67,8 @@ void each(benchmark::State& state, Use&& use) {
   for (auto _ : state) {
     for (std::size_t i = 0; i < l.x.size(); ++i) benchmark::DoNotOptimize(use(l.x[i], l.m[i]));
   }
-  state.counters["time_per_op"] =
-      benchmark::Counter(static_cast<double>(state.iterations() * static_cast<std::int64_t>(l.x.size())),
+  state.counters["ns_per_op"] =
+      benchmark::Counter(1e-9 * static_cast<double>(state.iterations() * static_cast<std::int64_t>(l.x.size())),
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
@@ -216,7 +221,39 @@ BENCHMARK(swap_face_op)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(smooth_op)->UseManualTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(adapt_part_op)->Arg(50)->Arg(200)->Unit(benchmark::kMillisecond);  // size in % of a cell
 
+/// A line per benchmark: its counters, with cycles beside nanoseconds.
+class JsonLines final : public benchmark::BenchmarkReporter {
+ public:
+  bool ReportContext(const Context& /*context*/) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    const double cycles_per_ns = 1e-9 * benchmark::CPUInfo::Get().cycles_per_second;
+    for (const Run& run : runs) {
+      nlohmann::ordered_json line{{"benchmark", run.benchmark_name()}};
+      if (run.error_occurred) line["error"] = run.error_message;
+      for (const auto& [name, counter] : run.counters) {
+        line[name] = counter.value;
+        constexpr std::string_view kTime = "ns_per_";
+        if (name.starts_with(kTime)) line["cycles_per_" + name.substr(kTime.size())] = counter.value * cycles_per_ns;
+      }
+      std::cout << line.dump() << std::endl;
+    }
+  }
+};
+
 }  // namespace
 }  // namespace skein::bench
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  const bool formatted = std::any_of(argv, argv + argc, [](std::string_view word) {
+    return word.starts_with("--benchmark_format") || word.starts_with("--benchmark_list_tests");
+  });
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  skein::bench::JsonLines lines;
+  if (formatted) {
+    benchmark::RunSpecifiedBenchmarks();
+  } else {
+    benchmark::RunSpecifiedBenchmarks(&lines);
+  }
+  benchmark::Shutdown();
+}

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Whole cases through the skein program, beside TetGen and Gmsh's HXT on the same machine. Standard library only.
+"""The kernel's operations and whole cases through the skein program, beside TetGen and Gmsh's HXT on the same machine.
+Standard library only.
 
     bench/run/run.py [--build DIR] [--no-build] [--repeat N] [--threads 1,2] [--quick] [--json FILE] [--keep DIR]
 
@@ -88,16 +89,27 @@ class Bench:
     def __init__(self, args, work):
         self.args, self.work = args, work
         self.skein = Path(args.build) / "bin" / "skein"
-        self.results = []
+        self.results, self.operations = [], []
         self.out = open(args.json, "w") if args.json else None
 
     def record(self, **result):
         result["load"] = round(os.getloadavg()[0], 2)
         self.results.append(result)
+        self.write(result)
+
+    def write(self, result):
         line = json.dumps(result)
         print(line, flush=True)
         if self.out:
             self.out.write(line + "\n")
+
+    def kernel(self):
+        """Nanoseconds and cycles of single operations (bench/kernel)."""
+        log = call([Path(self.args.build) / "bin" / "kernel_bench", f"--benchmark_min_time={0.05 if self.args.quick else 0.5}"],
+                   self.work)
+        self.operations = [json.loads(line) for line in log.splitlines() if line.startswith("{")]
+        for operation in self.operations:
+            self.write(operation)
 
     def adapt(self, mesh, out, threads, *options):
         report = self.work / "report.json"
@@ -191,6 +203,13 @@ class Bench:
                   f"{r['cpu_seconds']:8.2f} {r['tets_per_cpu_second']:10,} "
                   f"{r['tets_per_cpu_second'] / hxt['tets_per_cpu_second']:6.3f}{quality}")
         print("tets/s: of the result (coarsening: of the input) per second of the adaptation alone")
+        print(f"\n{'operation':28} {'ns':>9} {'cycles':>9} {'cycles/try':>10}")
+        for r in self.operations:
+            kind = "op" if "ns_per_op" in r else "done"
+            if f"ns_per_{kind}" not in r:
+                continue
+            tries = f" {r['cycles_per_try']:10,.0f}" if "cycles_per_try" in r else ""
+            print(f"{r['benchmark'].split('/')[0]:28} {r[f'ns_per_{kind}']:9,.1f} {r[f'cycles_per_{kind}']:9,.0f}{tries}")
 
 
 def main():
@@ -214,6 +233,7 @@ def main():
         work = Path(args.keep or scratch).resolve()
         work.mkdir(parents=True, exist_ok=True)
         bench = Bench(args, work)
+        bench.kernel()
         bench.hxt()
         bench.tetgen()
         start, fine = bench.uniform()
