@@ -96,7 +96,7 @@ class Bench {
     const auto& e = kEdgeVerts[random_() % 6];
     VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
     if (random_() % 2 == 0) std::swap(a, b);
-    switch (random_() % 12) {
+    switch (random_() % 13) {
       case 0:
       case 1:
         return on_edge(t, a, b);
@@ -116,6 +116,8 @@ class Bench {
       case 9:
       case 10:
         return lighten(t, a, b, static_cast<int>(random_() % 3));
+      case 11:
+        return collapse_to_improve(t, a, b);
       default:
         return move(a);
     }
@@ -228,6 +230,18 @@ class Bench {
       }
     }
     return {};
+  }
+
+  std::string collapse_to_improve(TetId t, VertId v, VertId u) {
+    const Snapshot before(part_);
+    const double gain = any(1, 2);
+    const bool on_surface = part_.mesh.has(v, kSurface);
+    const bool did = collapse_.collapse_to_improve(v, u, t, any(1, 6), gain);
+    if (auto fault = verdict(before, did, on_surface); !fault.empty()) return say("collapse to improve", fault);
+    if (!did) return {};
+    surface_done += on_surface;
+    if (part_.mesh.is_live(v)) return "collapse to improve: the vertex is still there";
+    return swapped("collapse to improve", before, gain);
   }
 
   std::string swapped(const char* name, const Snapshot& before, double gain) {
