@@ -78,7 +78,7 @@ class Skip {
   }
 
  private:
-  std::vector<Id>::const_iterator at_, end_;
+  typename std::vector<Id>::const_iterator at_, end_;
 };
 
 /// Gives the blocks' vertices and tetrahedra numbers behind one another and brings them there.
