@@ -108,24 +108,25 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
   std::vector<char> refined(blocks.size(), 0);
   const auto of = [](auto& list, int b) -> auto& { return list[static_cast<std::size_t>(b)]; };
-  in_parallel(o.threads, [&](int b) {
+  const auto start = [&](int b) -> Block& {
     Block& block = of(blocks, b);
     block = cut_block(mesh, metric, label, between, b);
     reserve(block.part, b == 0 ? points : share);
     set_up(block.part, o);
-    bool done = true;
-    if (in_steps && (done = refine_block_interface(block, kCoarse))) follow(block, create_coarse_points(block.part));
-    of(refined, b) = done && refine_block_interface(block) ? 1 : 0;
+    return block;
+  };
+  const auto take_first_step = [](Block& block) {
+    if (!refine_block_interface(block, kCoarse)) return false;
+    follow(block, create_coarse_points(block.part));
+    return true;
+  };
+  in_parallel(o.threads, [&](int b) {
+    Block& block = start(b);
+    of(refined, b) = (!in_steps || take_first_step(block)) && refine_block_interface(block) ? 1 : 0;
   });
   const std::size_t old_verts = mesh.vert_slots();
   const bool coarse = std::find(refined.begin(), refined.end(), 0) != refined.end();  // all or none
-  if (coarse) {
-    in_parallel(o.threads, [&](int b) {
-      of(blocks, b) = cut_block(mesh, metric, label, between, b);
-      reserve(of(blocks, b).part, b == 0 ? points : share);
-      set_up(of(blocks, b).part, o);
-    });
-  }
+  if (coarse) in_parallel(o.threads, [&](int b) { start(b); });
   mesh = TetMesh{};
   metric = MetricField{};
   in_parallel(o.threads, [&](int b) {

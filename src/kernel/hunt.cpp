@@ -9,7 +9,9 @@ namespace {
 constexpr double kLongest = 2;       ///< edge that may come of removing a vertex of a bad element
 constexpr double kVeryPoor = 0.35;   ///< quality below which steps along axes are tried
 constexpr double kRelaxFloor = 0.4;  ///< quality below which no element gets worse when edges are relaxed
-constexpr int kRelaxTurns = 4, kTurns = 8, kCarefulTurns = 20, kTries = 3;
+constexpr int kRelaxTurns = 4, kTries = 3;
+/// Sweeps end when none finds anything better, after 41 at most in all cases seen; this is for what has not been seen.
+constexpr int kMostSweeps = 500;
 
 }  // namespace
 
@@ -50,9 +52,9 @@ bool Hunter::take(TetId t, Pass hunt) noexcept {
 }
 
 template <class Work>
-void Hunter::sweep(Pass hunt, double target, int most, Work&& work) {
+void Hunter::sweep(Pass hunt, double target, Work&& work) {
   const auto limit = static_cast<float>(cube(target));
-  for (int turn = 0; turn < most; ++turn) {
+  for (int turn = 0; turn < kMostSweeps; ++turn) {
     bool any = false;
     part_->refused.assign(part_->mesh.tet_slots(), 0);
     note_changes(hunt);
@@ -94,7 +96,7 @@ bool Hunter::remove_vertex_in(TetId t) {
 }
 
 void Hunter::worst(double target) {
-  sweep(kWorstHunt, target, part_->careful ? kCarefulTurns : kTurns,
+  sweep(kWorstHunt, target,
         [&](TetId t) { return swap_->any(t) || smooth_in(t) || move_along_axes_in(t) || remove_vertex_in(t); });
 }
 
@@ -120,7 +122,7 @@ bool Hunter::lighten_in(TetId t, double floor_q3) {
 }
 
 void Hunter::lighten(double target, double floor) {
-  sweep(kLightenHunt, target, kCarefulTurns, [&](TetId t) { return lighten_in(t, cube(floor)); });
+  sweep(kLightenHunt, target, [&](TetId t) { return lighten_in(t, cube(floor)); });
 }
 
 void Hunter::judge_carefully(bool careful) {

@@ -33,9 +33,9 @@ class Hunter {
   void leave_few();
 
  private:
-  /// Calls work(t) for the elements below target that are new, in up to `most` sweeps, until none returns true.
+  /// Calls work(t) for the elements below target that are new, in sweeps until none returns true.
   template <class Work>
-  void sweep(Pass hunt, double target, int most, Work&& work);
+  void sweep(Pass hunt, double target, Work&& work);
   /// Nothing has been tried: all that is to be hunted is new to both hunts.
   void make_all_new();
   /// Makes state_ from what has changed or was there from the start and has not been tried by this hunt since.

@@ -147,7 +147,7 @@ RC_GTEST_PROP(LinkEqualFaces, UndoesACut, ()) {
 
 RC_GTEST_PROP(Surroundings, WhatIsAddedLaterCountsToo, ()) {
   MeshSpec spec;
-  spec.n = *rc::gen::inRange(1, 6);
+  spec.n = *rc::gen::inRange(1, 11);  // layers in the small ones are looked for everywhere, in the others over faces
   const TetMesh m = make_mesh(spec);
   const auto any = [&] { return to_id<VertId>(*rc::gen::inRange<std::size_t>(0, m.vert_slots())); };
   const VertId first = any(), second = any();
@@ -185,7 +185,7 @@ RC_GTEST_PROP(Surroundings, WhatIsAddedLaterCountsToo, ()) {
 
 RC_GTEST_PROP(Surroundings, AreAllWithinSoManyLayers, ()) {
   MeshSpec spec;
-  spec.n = *rc::gen::inRange(1, 6);
+  spec.n = *rc::gen::inRange(1, 11);
   const TetMesh m = make_mesh(spec);
   std::vector<VertId> seeds{to_id<VertId>(*rc::gen::inRange<std::size_t>(0, m.vert_slots()))};
   if (*rc::gen::arbitrary<bool>()) seeds.push_back(to_id<VertId>(num(seeds[0]) == 0 ? 1 : 0));
