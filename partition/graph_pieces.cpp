@@ -129,9 +129,13 @@ std::vector<Contact> find_contacts(const Comm& comm, const Graph& g, const Parts
   return all;
 }
 
-/// Collective. Gives the loose pieces new parts, the lightest first, as long as there is room; the number that move.
-std::size_t place_pieces(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity,
-                         std::vector<Piece>& loose, const IdVector<NodeId, std::int64_t>& label, Parts& part) {
+/// Of loose pieces, how many have got a new part, and how many would if there was room.
+struct Placed {
+  std::size_t moved = 0, left = 0;
+};
+/// Collective. Gives the loose pieces new parts, the lightest first, as long as there is room.
+Placed place_pieces(const Comm& comm, const DistGraph& d, int parts, std::int64_t capacity, std::vector<Piece>& loose,
+                    const IdVector<NodeId, std::int64_t>& label, Parts& part) {
   const Graph& g = d.graph;
   const auto contacts = find_contacts(comm, g, part, label, loose);
   std::vector<std::int64_t> weight(static_cast<std::size_t>(parts), 0);
@@ -141,22 +145,28 @@ std::size_t place_pieces(const Comm& comm, const DistGraph& d, int parts, std::i
   std::vector<std::size_t> order(loose.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return loose[a].weight < loose[b].weight; });
-  std::size_t moved = 0;
+  Placed placed;
   for (const std::size_t i : order) {
     Piece& p = loose[i];
-    auto c = std::lower_bound(contacts.begin(), contacts.end(), p.label,
-                              [](const Contact& x, std::int64_t l) { return x.label < l; });
-    while (c != contacts.end() && c->label == p.label && weight[idx(c->part)] + p.weight > capacity) ++c;
-    if (c == contacts.end() || c->label != p.label) continue;
+    const auto touched = std::lower_bound(contacts.begin(), contacts.end(), p.label,
+                                          [](const Contact& x, std::int64_t l) { return x.label < l; });
+    const auto is_of = [&](auto c) { return c != contacts.end() && c->label == p.label; };
+    if (!is_of(touched)) continue;  // a body of its own
+    auto c = touched;
+    while (is_of(c) && weight[idx(c->part)] + p.weight > capacity) ++c;
+    if (!is_of(c)) {
+      ++placed.left;
+      continue;
+    }
     weight[idx(p.part)] -= p.weight;
     weight[idx(c->part)] += p.weight;
     p.part = c->part;
-    ++moved;
+    ++placed.moved;
   }
   for (const NodeId v : IdRange<NodeId>(g.nodes())) {
     if (const Piece* p = find_piece(loose, label[v])) part[v] = p->part;
   }
-  return moved;
+  return placed;
 }
 
 }  // namespace
@@ -171,9 +181,9 @@ std::size_t join_pieces(const Comm& comm, const DistGraph& d, int parts, std::in
     for (const Rank p : d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; })) part.push_back(p);
     const auto label = label_pieces(comm, d, part);
     auto loose = loose_pieces(comm, d.graph, part, label, max_piece);
-    const std::size_t moved = loose.empty() ? 0 : place_pieces(comm, d, parts, capacity, loose, label, part);
-    left = loose.size() - moved;
-    if (moved == 0) break;
+    const Placed placed = loose.empty() ? Placed{} : place_pieces(comm, d, parts, capacity, loose, label, part);
+    left = placed.left;
+    if (placed.moved == 0) break;
   }
   part.resize(n);
   return left;

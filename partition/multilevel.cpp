@@ -221,17 +221,24 @@ std::int64_t surplus(const Comm& comm, const Graph& g, int parts, std::int64_t c
   return sum;
 }
 
-/// Collective. Makes the parts connected. Small pieces that have only full neighbours go there nevertheless, and these
-/// pass on what they have too much, if that works out.
-void connect_parts(const Comm& comm, const DistGraph& d, int parts, const Capacity& capacity, Parts& part) {
-  const std::size_t left = join_pieces(comm, d, parts, capacity.end, capacity.end, part);
-  if (left == 0) return;
-  Parts trial = part;
-  join_pieces(comm, d, parts, kAnyWeight, capacity.end / 30, trial);  // room for more would cost much cut
-  refine_level(comm, d, parts, capacity.search, trial, Refine::kBalanceOnly);
-  if (join_pieces(comm, d, parts, capacity.end, capacity.end, trial) >= left) return;
+/// Collective. Makes the parts connected. Pieces that have only full neighbours go there nevertheless, and these pass
+/// on what they have too much: small ones first, that costs next to no cut; then all, with a search for a shorter cut.
+/// What that leaves loose is tried again from there; the best of all attempts is kept.
+void connect_parts(const Comm& comm, const DistGraph& d, int parts, const Capacity& capacity, int threads,
+                   Parts& part) {
+  std::size_t left = join_pieces(comm, d, parts, capacity.end, kAnyWeight, part);
   const auto over = [&](const Parts& p) { return surplus(comm, d.graph, parts, capacity.end, p); };
-  if (over(trial) <= over(part)) part = std::move(trial);
+  Parts trial = part;
+  constexpr int kAttempts = 10;
+  for (int i = 0; i < kAttempts && left > 0; ++i) {
+    const bool small = i == 0;
+    join_pieces(comm, d, parts, kAnyWeight, small ? capacity.end / 30 : kAnyWeight, trial);
+    refine_level(comm, d, parts, capacity.search, trial, small ? Refine::kBalanceOnly : Refine::kAll, threads);
+    const std::size_t then = join_pieces(comm, d, parts, capacity.end, kAnyWeight, trial);
+    if (then >= left || over(trial) > over(part)) continue;
+    left = then;
+    part = trial;
+  }
 }
 
 }  // namespace
@@ -254,6 +261,7 @@ IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dis
     levels.back().dist = std::move(coarse);
     coarse = DistGraph{};
   }
+  constexpr std::size_t kConnectAbove = 3;  // levels left; here it costs a tenth of what it does at the end
   Parts part = cut_coarsest(comm, levels.back().dist, parts, total, capacity.search, options.threads);
   while (levels.size() > 1) {
     levels.pop_back();
@@ -262,8 +270,9 @@ IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dis
     for (const NodeId v : IdRange<NodeId>(finer.size())) finer[v] = part[fine.node2coarse[v]];
     part = std::move(finer);
     refine_level(comm, fine.dist, parts, capacity.search, part, Refine::kAll, options.threads);
+    if (levels.size() == kConnectAbove) connect_parts(comm, fine.dist, parts, capacity, options.threads, part);
   }
-  connect_parts(comm, levels[0].dist, parts, capacity, part);
+  connect_parts(comm, levels[0].dist, parts, capacity, options.threads, part);
   return IdVector<TetId, Rank>(std::move(part.raw()));
 }
 

@@ -45,6 +45,17 @@ TEST(Multilevel, PartsAreBalancedConnectedAndShort) {
   }
 }
 
+TEST(Multilevel, ManySmallPartsAreConnected) {
+  const Comm& comm = world();
+  const DistMesh dist = distribute(comm, slices(comm, cube(14)));
+  const auto work = ones(dist);
+  for (const int parts : {150, 256, 400}) {
+    const auto stats = partition_stats(comm, dist, multilevel_partition(comm, dist, work, parts), work, parts);
+    EXPECT_EQ(stats.components, parts);
+    EXPECT_LE(stats.imbalance, 0.03 + 1.0 * parts / static_cast<double>(dist.global_tets)) << parts;
+  }
+}
+
 TEST(Multilevel, BalancesUnequalWork) {
   const Comm& comm = world();
   const MeshSlice file = slices(comm, cube(12));
@@ -57,7 +68,7 @@ TEST(Multilevel, BalancesUnequalWork) {
     const auto part = multilevel_partition(comm, dist, work, parts);
     const auto stats = partition_stats(comm, dist, part, work, parts);
     EXPECT_LE(stats.imbalance, std::max(0.03, heaviest * parts / total) + 1e-6);
-    EXPECT_LE(stats.components, parts + 1);
+    EXPECT_EQ(stats.components, parts);
   }
 }
 
@@ -139,7 +150,7 @@ TEST(Multilevel, EverythingOnOneRankAndScattered) {
     const auto part = multilevel_partition(comm, dist, work, parts);
     const auto stats = partition_stats(comm, dist, part, work, parts);
     EXPECT_LE(stats.imbalance, 0.03 + 1.0 * parts / static_cast<double>(dist.global_tets));
-    EXPECT_LE(stats.components, parts + 1);
+    EXPECT_EQ(stats.components, parts);
   };
   migrate(comm, dist, IdVector<TetId, Rank>(dist.mesh.tet_slots(), to_id<Rank>(comm.size() - 1)));
   check();
