@@ -48,13 +48,19 @@ class Halo {
   /// Collective. The lowest rank's copy everywhere.
   template <Reducible T>
   void copy_from_owner(std::span<T> values, int width = 1) const;
+  /// Collective. values: one number per shared vertex, in the order of the Sharing.
+  template <Reducible T>
+  void sum_shared(std::span<T> values) const;
+  template <Reducible T>
+  void max_shared(std::span<T> values) const;
 
  private:
   template <Reducible T>
   void combine(std::span<T> values, int width, Op op) const;
-  /// total = fold(...fold(copy of lowest rank, next)..., copy of highest rank) at every shared vertex.
-  template <Reducible T, class Fold>
-  void fold_copies(std::span<T> values, int width, Fold fold) const;
+  /// total = fold(...fold(copy of lowest rank, next)..., copy of highest rank) at every shared vertex: `width` numbers
+  /// from at(i) on.
+  template <Reducible T, class At, class Fold>
+  void fold_copies(At at, int width, Fold fold) const;
   /// Sends in[k] of `item` bytes to the neighbour of entry k, and takes its copy into out[k].
   void exchange_bytes(const void* in, void* out, std::size_t item) const;
 

@@ -4,12 +4,21 @@
 
 namespace skein {
 
-template <Reducible T, class Fold>
-void Halo::fold_copies(std::span<T> values, int width, Fold fold) const {
+namespace detail {
+
+/// A few numbers; the call of a library function for one would take most of the time.
+template <class T>
+void copy_few(const T* from, std::size_t n, T* to) noexcept {
+  for (std::size_t c = 0; c < n; ++c) to[c] = from[c];
+}
+
+}  // namespace detail
+
+template <Reducible T, class At, class Fold>
+void Halo::fold_copies(At at, int width, Fold fold) const {
   const auto w = static_cast<std::size_t>(width);
   std::vector<T> mine(entry_.size() * w), theirs(entry_.size() * w);
-  const auto at = [&](std::size_t i) { return values.data() + idx(sharing_.vert[i]) * w; };
-  for (std::size_t k = 0; k < entry_.size(); ++k) std::copy_n(at(entry_[k]), w, mine.data() + k * w);
+  for (std::size_t k = 0; k < entry_.size(); ++k) detail::copy_few(at(entry_[k]), w, mine.data() + k * w);
   exchange_bytes(mine.data(), theirs.data(), w * sizeof(T));
 
   // Ascending ranks, this one at its place; the first copy starts the value.
@@ -18,7 +27,7 @@ void Halo::fold_copies(std::span<T> values, int width, Fold fold) const {
   const auto take = [&](std::size_t i, const T* copy) {
     T* t = total.data() + i * w;
     if (started[i] == 0) {
-      std::copy_n(copy, w, t);
+      detail::copy_few(copy, w, t);
       started[i] = 1;
     } else {
       for (std::size_t c = 0; c < w; ++c) t[c] = fold(t[c], copy[c]);
@@ -31,24 +40,39 @@ void Halo::fold_copies(std::span<T> values, int width, Fold fold) const {
   for (; n < neighbour_.size() && neighbour_[n] < comm_->rank(); ++n) take_neighbour();
   for (std::size_t i = 0; i < sharing_.size(); ++i) take(i, at(i));
   for (; n < neighbour_.size(); ++n) take_neighbour();
-  for (std::size_t i = 0; i < sharing_.size(); ++i) std::copy_n(total.data() + i * w, w, at(i));
+  for (std::size_t i = 0; i < sharing_.size(); ++i) detail::copy_few(total.data() + i * w, w, at(i));
 }
 
 template <Reducible T>
 void Halo::combine(std::span<T> values, int width, Op op) const {
+  const auto at = [&](std::size_t i) {
+    return values.data() + idx(sharing_.vert[i]) * static_cast<std::size_t>(width);
+  };
   switch (op) {
     case Op::kSum:
-      return fold_copies(values, width, [](T a, T b) { return a + b; });
+      return fold_copies<T>(at, width, [](T a, T b) { return a + b; });
     case Op::kMin:
-      return fold_copies(values, width, [](T a, T b) { return b < a ? b : a; });
+      return fold_copies<T>(at, width, [](T a, T b) { return b < a ? b : a; });
     case Op::kMax:
-      return fold_copies(values, width, [](T a, T b) { return a < b ? b : a; });
+      return fold_copies<T>(at, width, [](T a, T b) { return a < b ? b : a; });
   }
 }
 
 template <Reducible T>
 void Halo::copy_from_owner(std::span<T> values, int width) const {
-  fold_copies(values, width, [](T a, T) { return a; });
+  const auto at = [&](std::size_t i) {
+    return values.data() + idx(sharing_.vert[i]) * static_cast<std::size_t>(width);
+  };
+  fold_copies<T>(at, width, [](T a, T) { return a; });
+}
+
+template <Reducible T>
+void Halo::sum_shared(std::span<T> values) const {
+  fold_copies<T>([&](std::size_t i) { return values.data() + i; }, 1, [](T a, T b) { return a + b; });
+}
+template <Reducible T>
+void Halo::max_shared(std::span<T> values) const {
+  fold_copies<T>([&](std::size_t i) { return values.data() + i; }, 1, [](T a, T b) { return a < b ? b : a; });
 }
 
 }  // namespace skein

@@ -31,28 +31,35 @@ std::int64_t highest(const TetMesh& m, TetId t, const std::vector<std::int64_t>&
 InterfaceRegion::InterfaceRegion(const Comm& comm, DistMesh& dist, int layers)
     : comm_(comm), dist_(dist), halo_(comm, dist.sharing), layers_(std::max(layers, kReach)) {}
 
+InterfaceRegion::Labels& InterfaceRegion::no_labels() {
+  label_.assign(dist_.mesh.vert_slots(), 0);
+  return label_;
+}
+
 void InterfaceRegion::find_tets(GlobalId before) {
   if (found_) return;
   found_ = true;
   const TetMesh& m = dist_.mesh;
   const Sharing& sharing = dist_.sharing;
-  Labels mark(m.vert_slots(), 0);
-  for (const VertId v : IdRange<VertId>(m.vert_slots())) mark[idx(v)] = m.has(v, kHeld) ? 1 : 0;
   std::vector<VertId> first;  // on interfaces that are moved as a whole
+  IdVector<VertId, char> is_first(m.vert_slots(), 0);
   for (std::size_t i = 0; i < sharing.size(); ++i) {
     if (sharing.gid[i] >= before) continue;
     first.push_back(sharing.vert[i]);
-    mark[idx(sharing.vert[i])] = 0;
+    is_first[sharing.vert[i]] = 1;
   }
+  std::vector<std::int64_t> mark(sharing.size());
+  const auto is_marked = [&](VertId v) { return m.has(v, kHeld) && is_first[v] == 0; };
+  for (std::size_t i = 0; i < mark.size(); ++i) mark[i] = is_marked(sharing.vert[i]) ? 1 : 0;
   std::vector<VertId> fresh;
   std::vector<char> reached(sharing.size(), 0);
   Surroundings near(m, {});
   // What this rank or another has marked on the interface is added with all that is at it here.
   const auto add_shared = [&] {
-    halo_.max(std::span<std::int64_t>(mark));
+    halo_.max_shared(std::span<std::int64_t>(mark));
     fresh.clear();
     for (std::size_t i = 0; i < sharing.size(); ++i) {
-      if (mark[idx(sharing.vert[i])] == 0 || reached[i] != 0) continue;
+      if (mark[i] == 0 || reached[i] != 0) continue;
       reached[i] = 1;
       fresh.push_back(sharing.vert[i]);
     }
@@ -61,11 +68,11 @@ void InterfaceRegion::find_tets(GlobalId before) {
   };
   const auto add_layer = [&] {
     near.add_vertices();
-    for (const VertId v : sharing.vert) mark[idx(v)] |= near.has(v) ? 1 : 0;
+    for (std::size_t i = 0; i < mark.size(); ++i) mark[i] |= near.has(sharing.vert[i]) ? 1 : 0;
     add_shared();
   };
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    if (mark[idx(v)] != 0) fresh.push_back(v);
+    if (is_marked(v)) fresh.push_back(v);
   }
   if (!fresh.empty()) near.add(fresh);
   add_shared();
@@ -100,10 +107,10 @@ void InterfaceRegion::spread(Labels& label) const {
 }
 
 /// Per entry of dist.sharing: it shall become interior, if it can.
-std::vector<char> InterfaceRegion::to_be_freed(GlobalId before) const {
+std::vector<char> InterfaceRegion::to_be_freed(GlobalId before) {
   const TetMesh& m = dist_.mesh;
   const Sharing& sharing = dist_.sharing;
-  Labels label(m.vert_slots(), 0);
+  Labels& label = no_labels();
   for (const VertId v : IdRange<VertId>(m.vert_slots())) label[idx(v)] = m.has(v, kHeld) ? 1 : 0;
   for (std::size_t i = 0; i < sharing.size(); ++i) {
     if (sharing.gid[i] < before) label[idx(sharing.vert[i])] = 0;
@@ -122,7 +129,7 @@ Moves InterfaceRegion::displace(int layers, int round, GlobalId before) {
   const Sharing& sharing = dist_.sharing;
   find_tets(before);
   const std::vector<char> wanted = to_be_freed(before);
-  Labels label(m.vert_slots(), 0);
+  Labels& label = no_labels();
   if (round == 1) {
     const Duels duels(comm_, dist_, wanted, round);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -176,7 +183,7 @@ class MetricNear {
 bool InterfaceRegion::mark_active(int layers, GlobalId before) {
   constexpr std::int64_t kInterface = 1, kBad = 2;
   TetMesh& m = dist_.mesh;
-  Labels label(m.vert_slots(), 0);
+  Labels& label = no_labels();
   for (const VertId v : IdRange<VertId>(m.vert_slots())) label[idx(v)] = m.has(v, kHeld) ? kBad : 0;
   for (const VertId v : dist_.sharing.vert) {
     if (dist_.vert2gid[v] < before) label[idx(v)] = std::max(label[idx(v)], kInterface);

@@ -51,11 +51,13 @@ class InterfaceRegion {
 
  private:
   using Labels = std::vector<std::int64_t>;  ///< per vertex; 0: none
+  /// The array of labels, without any.
+  Labels& no_labels();
   void find_tets(GlobalId before);
   template <class Wanted>
   void spread(Labels& label, Wanted&& wanted) const;
   void spread(Labels& label) const;
-  [[nodiscard]] std::vector<char> to_be_freed(GlobalId before) const;
+  [[nodiscard]] std::vector<char> to_be_freed(GlobalId before);
 
   const Comm& comm_;
   DistMesh& dist_;
@@ -63,6 +65,7 @@ class InterfaceRegion {
   int layers_;
   bool found_ = false;       ///< tets_ is there: not before it is needed
   std::vector<TetId> tets_;  ///< ascending
+  Labels label_;             ///< one array for all steps
 };
 
 /// Collective. Vertices with kNoGlobal get global ids behind the largest there is: by rank, then local order. Sets the

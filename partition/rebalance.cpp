@@ -70,7 +70,8 @@ std::vector<double> solve(const std::vector<Flow>& edges, const std::vector<doub
 }
 
 /// weight - mean of the parts that can be reached from each other.
-std::vector<double> surplus(const std::vector<Flow>& edges, const std::vector<std::int64_t>& weight) {
+template <class Weight>
+std::vector<double> surplus(const std::vector<Flow>& edges, const std::vector<Weight>& weight) {
   std::vector<std::size_t> piece(weight.size());
   std::iota(piece.begin(), piece.end(), std::size_t{0});
   for (bool changed = true; changed;) {
@@ -240,21 +241,38 @@ bool diffuse(const Comm& comm, const ShellGraph& shell, double imbalance, Parts&
   return balanced();
 }
 
+/// Collective. How much work behind the faces to each rank may have to leave: what flows there in the first round, more
+/// for what the others correct, and a little where nothing flows.
+std::vector<double> find_reach(const Comm& comm, const std::vector<InterfaceFace>& faces, double mine) {
+  constexpr double kMore = 2, kLeast = 0.02;
+  std::vector<Flow> contacts;
+  for (const InterfaceFace& f : faces) contacts.push_back({comm.rank(), f.rank, 1, 0});
+  add_up(contacts, pair_of, &Flow::contact);
+  const auto all = comm.all_gather(contacts);  // ascending, as each rank's are
+  const auto potential = solve(all, surplus(all, comm.all_gather(mine)));
+  std::vector<double> reach(static_cast<std::size_t>(comm.size()), 0);
+  for (const Flow& f : contacts) {
+    const double flow = f.contact * (potential[idx(f.from)] - potential[idx(f.to)]);
+    const double share = f.contact / static_cast<double>(faces.size());
+    reach[idx(f.to)] = kMore * std::max(0.0, flow) + kLeast * share * mine;
+  }
+  return reach;
+}
+
 }  // namespace
 
 IdVector<TetId, Rank> rebalance(const Comm& comm, const DistMesh& dist, std::span<const double> work,
                                 double imbalance) {
-  constexpr double kReach = 2;  // times the largest difference from the mean: what may have to flow through one rank
   const double mine = std::accumulate(work.begin(), work.end(), 0.0);
-  const double mean = comm.sum(mine) / comm.size();
-  const double off = comm.max(std::abs(mine - mean));
   // A rank without tetrahedra is no neighbour of any; a few tetrahedra are no shell.
   const bool bits = comm.min(static_cast<std::int64_t>(work.size())) < 1000;
+  const auto faces = match_interface(comm, dist);
+  const std::vector<double> whole(static_cast<std::size_t>(comm.size()), kWholeRank);
   IdVector<TetId, Rank> dest(work.size(), comm.rank());
   Parts part;
-  ShellGraph shell = shell_graph(comm, dist, work, bits ? comm.max(mine) : kReach * off);
+  ShellGraph shell = shell_graph(comm, dist, work, faces, bits ? whole : find_reach(comm, faces, mine));
   if (!diffuse(comm, shell, imbalance, part) && comm.max(std::int32_t{shell.core}) != 0) {
-    shell = shell_graph(comm, dist, work, comm.max(mine));
+    shell = shell_graph(comm, dist, work, faces, whole);
     diffuse(comm, shell, imbalance, part);
   }
   for (std::size_t i = 0; i < shell.tets.size(); ++i) dest[shell.tets[i]] = part[to_id<NodeId>(i)];

@@ -2,6 +2,8 @@
 #include "partition/sharing.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
 
 #include "mesh/adjacency.hpp"
 #include "mesh/surroundings.hpp"
@@ -14,12 +16,19 @@ struct Copy {
   GlobalId gid;
   Rank rank;
 };
-bool before(const Copy& a, const Copy& b) noexcept { return a.gid != b.gid ? a.gid < b.gid : a.rank < b.rank; }
 
-struct Candidate {
-  GlobalId gid;
-  VertId vert;
-};
+/// The order of the items by global id; equal ones as they come.
+template <class Gid>
+std::vector<KeyIndex> order_by_gid(std::size_t n, Gid&& gid_of) {
+  std::vector<KeyIndex> order(n);
+  for (std::size_t i = 0; i < n; ++i)
+    order[i] = {static_cast<std::uint64_t>(num(gid_of(i))), static_cast<std::uint32_t>(i)};
+  radix_sort(order);
+  return order;
+}
+std::vector<KeyIndex> order_by_gid(const std::vector<Copy>& copies) {
+  return order_by_gid(copies.size(), [&](std::size_t i) { return copies[i].gid; });
+}
 
 }  // namespace
 
@@ -37,46 +46,48 @@ std::vector<VertId> verts_of(const TetMesh& m, const std::vector<FaceId>& faces)
 }
 
 Sharing find_sharing(const Comm& comm, const std::vector<VertId>& among, const IdVector<VertId, GlobalId>& vert2gid) {
-  std::vector<Candidate> candidates;
-  for (const VertId v : among) {
-    if (vert2gid[v] != kNoGlobal) candidates.push_back({vert2gid[v], v});
-  }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.gid < b.gid; });
+  std::vector<VertId> verts;
+  verts.reserve(among.size());
+  std::copy_if(among.begin(), among.end(), std::back_inserter(verts),
+               [&](VertId v) { return vert2gid[v] != kNoGlobal; });
+  const auto candidates = order_by_gid(verts.size(), [&](std::size_t i) { return vert2gid[verts[i]]; });
   std::vector<Rank> dest(candidates.size());
   std::vector<Copy> copies(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    dest[i] = meeting_rank(candidates[i].gid, comm.size());
-    copies[i] = {candidates[i].gid, comm.rank()};
+    copies[i] = {GlobalId{static_cast<std::int64_t>(candidates[i].key)}, comm.rank()};
+    dest[i] = meeting_rank(copies[i].gid, comm.size());
   }
-  auto met = exchange_items(comm, dest, copies).items;
-  std::sort(met.begin(), met.end(), before);
+  // What comes is by rank, and the sort keeps that among equal ids.
+  const auto met = exchange_items(comm, dest, copies).items;
+  const auto order = order_by_gid(met);
   dest.clear();
   copies.clear();
-  for (std::size_t i = 0; i < met.size();) {
+  for (std::size_t i = 0; i < order.size();) {
     std::size_t j = i + 1;
-    while (j < met.size() && met[j].gid == met[i].gid) ++j;
+    while (j < order.size() && order[j].key == order[i].key) ++j;
     for (std::size_t a = i; a < j && j - i > 1; ++a) {
       for (std::size_t b = i; b < j; ++b) {
         if (a == b) continue;
-        dest.push_back(met[a].rank);
-        copies.push_back(met[b]);
+        dest.push_back(met[order[a].index].rank);
+        copies.push_back(met[order[b].index]);
       }
     }
     i = j;
   }
-  auto others = exchange_items(comm, dest, copies).items;
-  std::sort(others.begin(), others.end(), before);
+  // All copies of a vertex come from the one rank where they have met, in order.
+  const auto others = exchange_items(comm, dest, copies).items;
+  const auto by_gid = order_by_gid(others);
   Sharing s;
   s.rank.reserve(others.size());
   std::size_t c = 0;
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    if (i == 0 || others[i].gid != others[i - 1].gid) {
+  for (std::size_t i = 0; i < by_gid.size(); ++i) {
+    if (i == 0 || by_gid[i].key != by_gid[i - 1].key) {
       if (i > 0) s.offset.push_back(i);
-      while (candidates[c].gid != others[i].gid) ++c;
-      s.gid.push_back(others[i].gid);
-      s.vert.push_back(candidates[c].vert);
+      while (candidates[c].key != by_gid[i].key) ++c;
+      s.gid.push_back(others[by_gid[i].index].gid);
+      s.vert.push_back(verts[candidates[c].index]);
     }
-    s.rank.push_back(others[i].rank);
+    s.rank.push_back(others[by_gid[i].index].rank);
   }
   if (!others.empty()) s.offset.push_back(others.size());
   return s;
@@ -102,16 +113,17 @@ void rebuild_sharing(const Comm& comm, DistMesh& dist, const std::vector<VertId>
 void merge_vertex_flags(const Comm& comm, DistMesh& dist) {
   // Each flag has its own 10 bits of a number, where it adds up over the copies.
   constexpr int kFlags = 6, kLane = 10;
-  std::vector<std::int64_t> lanes(dist.mesh.vert_slots(), 0);
-  for (const VertId v : dist.sharing.vert) {
+  const std::vector<VertId>& verts = dist.sharing.vert;
+  std::vector<std::int64_t> lanes(verts.size(), 0);
+  for (std::size_t i = 0; i < verts.size(); ++i) {
     for (int b = 0; b < kFlags; ++b)
-      lanes[idx(v)] |= static_cast<std::int64_t>(dist.mesh.vert_flags[v] >> b & 1) << (b * kLane);
+      lanes[i] |= static_cast<std::int64_t>(dist.mesh.vert_flags[verts[i]] >> b & 1) << (b * kLane);
   }
-  Halo(comm, dist.sharing).sum(std::span<std::int64_t>(lanes));
-  for (const VertId v : dist.sharing.vert) {
+  Halo(comm, dist.sharing).sum_shared(std::span<std::int64_t>(lanes));
+  for (std::size_t i = 0; i < verts.size(); ++i) {
+    std::uint8_t& flags = dist.mesh.vert_flags[verts[i]];
     for (int b = 0; b < kFlags; ++b) {
-      if ((lanes[idx(v)] >> (b * kLane) & ((1 << kLane) - 1)) != 0)
-        dist.mesh.vert_flags[v] = static_cast<std::uint8_t>(dist.mesh.vert_flags[v] | 1 << b);
+      if ((lanes[i] >> (b * kLane) & ((1 << kLane) - 1)) != 0) flags = static_cast<std::uint8_t>(flags | 1 << b);
     }
   }
 }
@@ -124,8 +136,9 @@ IdVector<VertId, char> owned_verts(const Comm& comm, const DistMesh& dist) {
 }
 
 void count_global(const Comm& comm, DistMesh& dist) {
-  const auto owned = owned_verts(comm, dist);
-  dist.global_verts = comm.sum(static_cast<std::int64_t>(std::count(owned.begin(), owned.end(), 1)));
+  auto owned = static_cast<std::int64_t>(dist.mesh.vert_slots());
+  for (std::size_t i = 0; i < dist.sharing.size(); ++i) owned -= dist.sharing.owned(i, comm.rank()) ? 0 : 1;
+  dist.global_verts = comm.sum(owned);
   dist.global_tets = comm.sum(static_cast<std::int64_t>(dist.mesh.tet_slots()));
 }
 

@@ -2,38 +2,46 @@
 #include "partition/shell_graph.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
-#include "partition/interface_faces.hpp"
+#include "mesh/subset.hpp"
 
 namespace skein {
 namespace {
 
 /// The tetrahedra of the shell, ascending.
 std::vector<TetId> collect(const TetMesh& m, const std::vector<InterfaceFace>& faces, std::span<const double> work,
-                           double reach) {
-  std::vector<TetId> tets;
-  if (reach >= std::accumulate(work.begin(), work.end(), 0.0)) {
-    for (const TetId t : IdRange<TetId>(m.tet_slots())) tets.push_back(t);
-    return tets;
+                           std::span<const double> reach) {
+  if (std::all_of(reach.begin(), reach.end(), [](double r) { return r == kWholeRank; })) {
+    std::vector<TetId> all(m.tet_slots());
+    for (const TetId t : IdRange<TetId>(all.size())) all[idx(t)] = t;
+    return all;
   }
+  struct Found {
+    TetId tet;
+    Rank behind;  ///< the interface to this rank
+  };
+  std::vector<Found> found;
   IdVector<TetId, char> seen(m.tet_slots(), 0);
-  double sum = 0;
-  const auto take = [&](TetId t) {
+  std::vector<double> sum(reach.size(), 0);
+  const auto take = [&](TetId t, Rank behind) {
     if (seen[t] != 0) return;
     seen[t] = 1;
-    sum += work[idx(t)];
-    tets.push_back(t);
+    sum[idx(behind)] += work[idx(t)];
+    found.push_back({t, behind});
   };
-  for (const InterfaceFace& f : faces) take(face_tet(f.mine));  // all of these: other ranks look at them
-  for (std::size_t i = 0; i < tets.size() && sum < reach; ++i) {
-    for (const FaceId f : m.tet2face[tets[i]]) {
-      if (f != kNoFace) take(face_tet(f));
+  for (const InterfaceFace& f : faces) take(face_tet(f.mine), f.rank);  // all of these: other ranks look at them
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto [t, behind] = found[i];
+    if (sum[idx(behind)] >= reach[idx(behind)]) continue;
+    for (const FaceId f : m.tet2face[t]) {
+      if (f != kNoFace) take(face_tet(f), behind);
     }
   }
-  std::sort(tets.begin(), tets.end());
-  return tets;
+  Subset<TetId> tets(m.tet_slots());
+  for (const Found& f : found) tets.insert(f.tet);
+  tets.number();
+  return tets.members();
 }
 
 /// Adds edges of one row; parallel ones become one. A row has a handful of edges.
@@ -47,9 +55,9 @@ void close_row(Graph& g) { g.first.push_back(static_cast<std::uint32_t>(g.edge.s
 
 }  // namespace
 
-ShellGraph shell_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work, double reach) {
+ShellGraph shell_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work,
+                       const std::vector<InterfaceFace>& faces, std::span<const double> reach) {
   const TetMesh& m = dist.mesh;
-  const auto faces = match_interface(comm, dist);
   ShellGraph out;
   out.tets = collect(m, faces, work, reach);
   out.core = out.tets.size() < m.tet_slots();

@@ -1,9 +1,11 @@
 // The dual graph of what lies near the interfaces.
 #pragma once
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "partition/graph.hpp"
+#include "partition/interface_faces.hpp"
 
 namespace skein {
 
@@ -15,9 +17,12 @@ struct ShellGraph {
   bool core = false;
 };
 
-/// Collective. The tetrahedra of this rank that come first from its interfaces inwards, over faces, until their work is
-/// `reach` or there are no more; weights are those of dual_graph(). All tetrahedra where `reach` is as much as the
-/// rank has. @pre as dual_graph().
-ShellGraph shell_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work, double reach);
+/// Collective. The tetrahedra of this rank that come first from its interface faces inwards, over faces: those on the
+/// interface, and behind the faces to rank r until their work is reach[r] or there are no more. Weights are those of
+/// dual_graph(). All tetrahedra where all of `reach` is kWholeRank. @pre as dual_graph(); `faces` as match_interface()
+/// gives them; one entry of `reach` for each rank.
+ShellGraph shell_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work,
+                       const std::vector<InterfaceFace>& faces, std::span<const double> reach);
+inline constexpr double kWholeRank = std::numeric_limits<double>::max();
 
 }  // namespace skein

@@ -473,7 +473,7 @@ Care main_turns(Passes& pass, Part& part) {
   pass.order_if_grown();
   for (int i = 0; i < kMostTurns; ++i) {
     pass.swap_below(care.swap);
-    pass.smooth_below(i == 0 ? kSmoothed : kSmoothedAgain);
+    pass.smooth_below(i == 0 && !o.only_held ? kSmoothed : kSmoothedAgain);
     std::int64_t changed = pass.collapse_short(o.collapse_below, care.stretch * o.split_above, kFloor);
     changed += pass.create_points();
     if (i + 1 >= o.least_turns && kSettled * changed <= part.live_verts()) break;

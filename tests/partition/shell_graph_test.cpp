@@ -16,12 +16,17 @@ std::int64_t total(const Comm& comm, const Graph& g) {
   return comm.sum(std::accumulate(g.weight.begin(), g.weight.end(), std::int64_t{0}));
 }
 
+ShellGraph shell_around(const Comm& comm, const DistMesh& dist, std::span<const double> work, double reach) {
+  return shell_graph(comm, dist, work, match_interface(comm, dist),
+                     std::vector<double>(static_cast<std::size_t>(comm.size()), reach));
+}
+
 TEST(ShellGraph, HasAllWeightAndTheRowsOfTheWhole) {
   const Comm& comm = world();
   const DistMesh dist = distribute(comm, slices(comm, cube(8)));
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
   const DistGraph whole = dual_graph(comm, dist, work);
-  const ShellGraph shell = shell_graph(comm, dist, work, 0.2 * static_cast<double>(work.size()));
+  const ShellGraph shell = shell_around(comm, dist, work, 0.2 * static_cast<double>(work.size()));
   if (comm.size() == 1) return;  // no interface, no shell
   EXPECT_TRUE(shell.core);
   const Graph& g = shell.dist.graph;
@@ -48,7 +53,7 @@ TEST(ShellGraph, IsTheWholeGraphWhereItReachesThatFar) {
   const Comm& comm = world();
   const DistMesh dist = distribute(comm, slices(comm, cube(4)));
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
-  const ShellGraph shell = shell_graph(comm, dist, work, 1e9);
+  const ShellGraph shell = shell_around(comm, dist, work, kWholeRank);
   const DistGraph whole = dual_graph(comm, dist, work);
   EXPECT_FALSE(shell.core);
   EXPECT_EQ(shell.dist.graph.weight, whole.graph.weight);
