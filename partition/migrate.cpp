@@ -2,7 +2,6 @@
 #include "partition/migrate.hpp"
 
 #include <algorithm>
-#include <memory>
 
 #include "mesh/error.hpp"
 #include "mesh/holes.hpp"
@@ -54,34 +53,37 @@ void close_block(Packets<T>& p, Rank r) {
 /// The tetrahedra that leave, by destination, in their order.
 struct Leaving {
   std::vector<TetId> tets;
-  std::vector<std::size_t> offset;         ///< by rank
-  IdVector<TetId, char> leaves;            ///< 1 for these
-  std::unique_ptr<std::uint32_t[]> place;  ///< in `tets`, of those that leave
+  std::vector<std::size_t> offset;   ///< by rank
+  Subset<TetId> set;                 ///< all of them
+  std::vector<std::uint32_t> place;  ///< in `tets`, by their places in the set
 
   [[nodiscard]] bool none() const noexcept { return tets.empty(); }
+  [[nodiscard]] bool has(TetId t) const noexcept { return set.has(t); }
   /// Its place among those that go to r, or -1.
   [[nodiscard]] std::int32_t place_to(TetId t, Rank r) const noexcept {
-    if (leaves[t] == 0) return -1;
-    const std::size_t at = place[idx(t)];
+    if (!set.has(t)) return -1;
+    const std::size_t at = place[set.place(t)];
     return at >= offset[idx(r)] && at < offset[idx(r) + 1] ? static_cast<std::int32_t>(at - offset[idx(r)]) : -1;
   }
 };
 
 Leaving sort_out(const Comm& comm, const Moves& moves, std::size_t n_tets) {
-  Leaving l;
-  l.offset.assign(static_cast<std::size_t>(comm.size()) + 1, 0);
-  for (const Rank r : moves.to) l.offset[idx(r) + 1] += r != comm.rank() ? 1 : 0;
+  Leaving l{{}, std::vector<std::size_t>(static_cast<std::size_t>(comm.size()) + 1, 0), Subset<TetId>(n_tets), {}};
+  for (std::size_t i = 0; i < moves.tets.size(); ++i) {
+    if (moves.to[i] == comm.rank()) continue;
+    ++l.offset[idx(moves.to[i]) + 1];
+    l.set.insert(moves.tets[i]);
+  }
   for (std::size_t r = 1; r < l.offset.size(); ++r) l.offset[r] += l.offset[r - 1];
+  l.set.number();
   l.tets.resize(l.offset.back());
-  l.leaves.assign(n_tets, 0);
-  l.place = std::make_unique_for_overwrite<std::uint32_t[]>(n_tets);
+  l.place.resize(l.offset.back());
   std::vector<std::size_t> next(l.offset.begin(), l.offset.end() - 1);
   for (std::size_t i = 0; i < moves.tets.size(); ++i) {
     if (moves.to[i] == comm.rank()) continue;
     const TetId t = moves.tets[i];
     const std::size_t at = next[idx(moves.to[i])]++;
-    l.leaves[t] = 1;
-    l.place[idx(t)] = static_cast<std::uint32_t>(at);
+    l.place[l.set.place(t)] = static_cast<std::uint32_t>(at);
     l.tets[at] = t;
   }
   return l;
@@ -111,36 +113,41 @@ class Packer {
     number_.assign(dist.mesh.vert_slots(), -1);
   }
   Load pack() {
+    load_.tets.items.reserve(leaving_.tets.size());
     for (std::size_t r = 0; r + 1 < leaving_.offset.size(); ++r) {
-      if (leaving_.offset[r + 1] > leaving_.offset[r]) pack_block(to_id<Rank>(r));
+      if (leaving_.offset[r + 1] > leaving_.offset[r]) pack_tets(to_id<Rank>(r));
     }
+    const auto width = static_cast<std::size_t>(dist_.data.width);
+    load_.verts.items.reserve(used_.size());
+    load_.data.items.resize(used_.size() * width);
+    double* data = load_.data.items.data();
+    for (const VertId v : used_) {
+      load_.verts.items.push_back({dist_.vert2gid[v], dist_.mesh.coords[v], dist_.mesh.vert_ref[v],
+                                   dist_.mesh.vert_flags[v], static_cast<std::uint8_t>(shared_[v]), 0});
+      data = std::copy_n(dist_.data.at(v), width, data);
+    }
+    if (width > 0) load_.data.rank = load_.verts.rank;
+    for (std::size_t b = 1; width > 0 && b < load_.verts.offset.size(); ++b)
+      load_.data.offset.push_back(load_.verts.offset[b] * width);
     return std::move(load_);
   }
 
  private:
-  void pack_block(Rank r) {
-    const TetMesh& m = dist_.mesh;
-    used_.clear();
-    const std::size_t n = leaving_.offset[idx(r) + 1] - leaving_.offset[idx(r)];
-    load_.tets.items.reserve(load_.tets.items.size() + n);
+  /// Tetrahedra, vertices' numbers and features that go to r.
+  void pack_tets(Rank r) {
+    const std::vector<FeatureEdge>& edges = dist_.mesh.features.list();
+    first_ = used_.size();
     for (std::size_t i = leaving_.offset[idx(r)]; i < leaving_.offset[idx(r) + 1]; ++i) pack_tet(leaving_.tets[i], r);
     close_block(load_.tets, r);
-    load_.verts.items.reserve(load_.verts.items.size() + used_.size());
-    load_.data.items.reserve(load_.data.items.size() + used_.size() * static_cast<std::size_t>(dist_.data.width));
-    for (const VertId v : used_) {
-      load_.verts.items.push_back(
-          {dist_.vert2gid[v], m.coords[v], m.vert_ref[v], m.vert_flags[v], static_cast<std::uint8_t>(shared_[v]), 0});
-      load_.data.items.insert(load_.data.items.end(), dist_.data.at(v), dist_.data.at(v) + dist_.data.width);
-    }
-    close_block(load_.verts, r);
-    close_block(load_.data, r);
+    load_.verts.rank.push_back(r);
+    load_.verts.offset.push_back(used_.size());
     auto it = std::lower_bound(features_.begin(), features_.end(), FeatureUse{r, 0});
     for (; it != features_.end() && it->first == r; ++it) {
-      const FeatureEdge& e = m.features.list()[it->second];
+      const FeatureEdge& e = edges[it->second];
       load_.features.items.push_back({number_[e.a], number_[e.b], e.ref, e.ridge ? 1 : 0});
     }
     close_block(load_.features, r);
-    for (const VertId v : used_) number_[v] = -1;
+    for (std::size_t k = first_; k < used_.size(); ++k) number_[used_[k]] = -1;
   }
   void pack_tet(TetId t, Rank r) {
     const TetMesh& m = dist_.mesh;
@@ -148,7 +155,7 @@ class Packer {
     for (std::size_t k = 0; k < 4; ++k) {
       const VertId v = m.tet2vert[t][k];
       if (number_[v] < 0) {
-        number_[v] = static_cast<std::int32_t>(used_.size());
+        number_[v] = static_cast<std::int32_t>(used_.size() - first_);
         used_.push_back(v);
       }
       out.vert[k] = number_[v];
@@ -170,7 +177,8 @@ class Packer {
   const std::vector<FeatureUse>& features_;
   IdVector<VertId, char> shared_;
   IdVector<VertId, std::int32_t> number_;  ///< in the current block
-  std::vector<VertId> used_;
+  std::vector<VertId> used_;               ///< of all blocks, in order
+  std::size_t first_ = 0;                  ///< of the current block
   Load load_;
 };
 
@@ -205,11 +213,11 @@ class Stayers {
     // leaves, or they do not, and then those that stay have a face without a neighbour there.
     for (const TetId t : leaving_.tets) {
       for (const FaceId f : m_.tet2face[t]) {
-        if (f != kNoFace && leaving_.leaves[face_tet(f)] == 0) look_at(face_tet(f), !features.empty());
+        if (f != kNoFace && !leaving_.has(face_tet(f))) look_at(face_tet(f), !features.empty());
       }
     }
     visit_open_tets(m_, [&](TetId t) {
-      if (leaving_.leaves[t] == 0) look_at_open(t, !features.empty());
+      if (!leaving_.has(t)) look_at_open(t, !features.empty());
     });
     for (const VertId v : touched_) (state_[v] == kStays ? out_.verts : out_.gone).push_back(v);
     std::sort(out_.gone.begin(), out_.gone.end());
