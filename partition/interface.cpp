@@ -82,7 +82,7 @@ void InterfaceRegion::find_tets(GlobalId before) {
   tets_ = near.tets();
 }
 
-/// One layer: vertices without a label take the highest of the wanted tetrahedra at them, on all ranks.
+/// One layer: wanted vertices without a label take the highest of the tetrahedra at them, on all ranks.
 template <class Wanted>
 void InterfaceRegion::spread(Labels& label, Wanted&& wanted) const {
   const TetMesh& m = dist_.mesh;
@@ -93,9 +93,9 @@ void InterfaceRegion::spread(Labels& label, Wanted&& wanted) const {
   std::vector<Reached> reached;
   for (const TetId t : tets_) {
     const std::int64_t best = highest(m, t, label);
-    if (best == 0 || !wanted(t, best)) continue;
+    if (best == 0) continue;
     for (const VertId v : m.tet2vert[t]) {
-      if (label[idx(v)] == 0) reached.push_back({v, best});
+      if (label[idx(v)] == 0 && wanted(v, best)) reached.push_back({v, best});
     }
   }
   for (const Reached& r : reached) label[idx(r.v)] = std::max(label[idx(r.v)], r.label);
@@ -103,7 +103,7 @@ void InterfaceRegion::spread(Labels& label, Wanted&& wanted) const {
 }
 
 void InterfaceRegion::spread(Labels& label) const {
-  spread(label, [](TetId, std::int64_t) { return true; });
+  spread(label, [](VertId, std::int64_t) { return true; });
 }
 
 /// Per entry of dist.sharing: it shall become interior, if it can.
@@ -154,32 +154,6 @@ Moves InterfaceRegion::displace(int layers, int round, GlobalId before) {
   return moves;
 }
 
-namespace {
-
-/// The metric at the vertices of some tetrahedra.
-class MetricNear {
- public:
-  MetricNear(const DistMesh& dist, const std::vector<TetId>& tets) : mesh_(dist.mesh), verts_(dist.mesh.vert_slots()) {
-    for (const TetId t : tets) {
-      for (const VertId v : mesh_.tet2vert[t]) verts_.insert(v);
-    }
-    verts_.number();
-    for (const VertId v : verts_.members()) metric_.log_at.push_back(log_metric_at(dist, v));
-    metric_.at.resize(verts_.size());
-    metric_.measure(VertId{0}, verts_.size());
-  }
-  [[nodiscard]] bool is_good(TetId t) const noexcept {
-    return skein::is_good(mesh_, metric_.at, t, [&](VertId v) { return to_id<VertId>(verts_.place(v)); });
-  }
-
- private:
-  const TetMesh& mesh_;
-  Subset<VertId> verts_;
-  MetricField metric_;
-};
-
-}  // namespace
-
 bool InterfaceRegion::mark_active(int layers, GlobalId before) {
   constexpr std::int64_t kInterface = 1, kBad = 2;
   TetMesh& m = dist_.mesh;
@@ -197,14 +171,7 @@ bool InterfaceRegion::mark_active(int layers, GlobalId before) {
   any = comm_.max(any);
   if (any != 0) find_tets(before);
   for (int l = 0; any != 0 && l < layers; ++l) {
-    std::vector<TetId> perhaps_good;
-    if (dist_.data.width >= 6) {
-      std::copy_if(tets_.begin(), tets_.end(), std::back_inserter(perhaps_good),
-                   [&](TetId t) { return highest(m, t, label) == kInterface; });
-    }
-    const MetricNear metric(dist_, perhaps_good);
-    spread(label,
-           [&](TetId t, std::int64_t best) { return best == kBad || perhaps_good.empty() || !metric.is_good(t); });
+    spread(label, [&](VertId v, std::int64_t best) { return best == kBad || m.has(v, kHindered); });
   }
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));

@@ -13,20 +13,6 @@ namespace skein {
 
 inline constexpr GlobalId kEveryGlobal{std::numeric_limits<std::int64_t>::max()};  ///< above all global ids
 
-/// Quality of elements beside an old interface from which on they need no more work.
-inline constexpr double kGoodQuality = 0.75;
-/// Tells whether tetrahedron t has it. `metric` may be of other vertices, too, and in another order: place(v).
-template <class Place>
-bool is_good(const TetMesh& m, const IdVector<VertId, VertMetric>& metric, TetId t, Place&& place) noexcept {
-  const auto& v = m.tet2vert[t];
-  const auto x = [&](std::size_t i) { return m.coords[v[i]]; };
-  const auto g = [&](std::size_t i) -> const VertMetric& { return metric[place(v[i])]; };
-  return quality_cubed(x(0), x(1), x(2), x(3), g(0), g(1), g(2), g(3)) >= cube(kGoodQuality);
-}
-inline bool is_good(const TetMesh& m, const MetricField& metric, TetId t) noexcept {
-  return is_good(m, metric.at, t, [](VertId v) { return v; });
-}
-
 /// The tetrahedra round what is to be worked on again, interfaces as a whole or what is kHeld, and what rounds do
 /// there. What is done costs as much as there is, but for one look at the whole mesh.
 class InterfaceRegion {
@@ -37,7 +23,7 @@ class InterfaceRegion {
 
   /// Collective. kHeld on the vertices that are shared now and have a global id below `before`, and on all copies of
   /// those that have it; kActive on the vertices within `layers` edges (over all ranks) of these, cleared elsewhere.
-  /// Where the data is the log-metric, these steps leave out the good elements, except round what was kHeld.
+  /// These steps go to vertices that are kHindered, from what was kHeld to all.
   /// Tells whether there are any on any rank.
   bool mark_active(int layers, GlobalId before = kEveryGlobal);
 

@@ -260,7 +260,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   even_out(comm, dist, parts);
   finish();
   log.start("reconcile");
-  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~(kActive | kHeld));
+  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~(kActive | kHindered | kHeld));
   reconcile(comm, dist, options.threads);
   finish();
 }

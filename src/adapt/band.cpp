@@ -146,7 +146,10 @@ class Return {
 
   void keep_vertex(VertId v, VertId in_band) {
     vert_[in_band] = v;
-    m_.vert_flags[v] = static_cast<std::uint8_t>((m_.vert_flags[v] & ~kHeld) | (b_.vert_flags[in_band] & kHeld));
+    const unsigned now = b_.vert_flags[in_band] & (kHindered | kHeld);
+    // What the band has only in part may be poor for the sake of the rest.
+    const unsigned keep = b_.has(in_band, kActive) ? ~(kHindered | kHeld) : ~static_cast<unsigned>(kHeld);
+    m_.vert_flags[v] = static_cast<std::uint8_t>((m_.vert_flags[v] & keep) | now);
   }
 
   void copy_vertex(VertId from, VertId to) {

@@ -122,7 +122,7 @@ void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector
       const VertId w = p.mesh.coords.push_back(m.coords[v]);
       to_block[v] = w;
       p.mesh.vert_ref.push_back(m.vert_ref[v]);
-      std::uint8_t flags = m.vert_flags[v];
+      auto flags = static_cast<std::uint8_t>(m.vert_flags[v] & ~kWasFrozen);
       if ((flags & kFrozen) != 0) {
         flags |= kWasFrozen;
         out.frozen.push_back(w);

@@ -10,7 +10,6 @@
 #include "mesh/assert.hpp"
 #include "mesh/check.hpp"
 #include "mesh/parallel.hpp"
-#include "partition/interface.hpp"
 
 namespace skein {
 namespace {
@@ -166,6 +165,13 @@ class LocalVertices final : public VertexAttributes {
   MetricField& metric_;
   std::span<VertId> frozen_;
 };
+
+bool is_good(const TetMesh& m, const MetricField& metric, TetId t) noexcept {
+  const auto& v = m.tet2vert[t];
+  const auto x = [&](std::size_t i) { return m.coords[v[i]]; };
+  const auto g = [&](std::size_t i) -> const VertMetric& { return metric.at[v[i]]; };
+  return quality_cubed(x(0), x(1), x(2), x(3), g(0), g(1), g(2), g(3)) >= cube(kGoodQuality);
+}
 
 /// Works on what the interfaces between blocks have held back: the band round them is cut out, adapted and put back.
 void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& between, const LocalOptions& o,

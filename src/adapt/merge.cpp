@@ -150,7 +150,7 @@ class Joiner {
       auto& twins = pieces_[b].twins;
       std::sort(twins.begin(), twins.end(), [](const Twin& x, const Twin& y) { return x.v < y.v; });
       for (Twin& twin : twins) {
-        twin.flags = static_cast<std::uint8_t>(blocks_[b].part.mesh.vert_flags[twin.v] & ~(kWasFrozen | kFrozen));
+        twin.flags = static_cast<std::uint8_t>(blocks_[b].part.mesh.vert_flags[twin.v] & ~kFrozen);
       }
     }
   }
@@ -194,10 +194,8 @@ class Joiner {
   void thaw() {
     for (Block& b : blocks_) {
       auto& flags = b.part.mesh.vert_flags;
-      for (const VertId v : b.common) {
-        if ((flags[v] & kWasFrozen) == 0) flags[v] = static_cast<std::uint8_t>(flags[v] & ~kFrozen);
-      }
-      for (const VertId v : b.frozen) flags[v] = static_cast<std::uint8_t>(flags[v] & ~kWasFrozen);
+      for (const VertId v : b.common) flags[v] = static_cast<std::uint8_t>(flags[v] & ~kFrozen);
+      for (const VertId v : b.frozen) flags[v] |= kFrozen;
     }
   }
 

@@ -80,7 +80,7 @@ class Passes {
   /// Counts what is still below `target`, by what holds it (OperationCounts).
   void count_poor(double target);
   /// kHeld on the vertices of what is far from what was wanted and is confined, as another round might do better there;
-  /// and on no others.
+  /// kHindered on those of what is not good and has a bound vertex; and on no others.
   void mark_held();
   /// Puts what is near in space near in memory, if much is new.
   void order_if_grown();
@@ -405,17 +405,22 @@ void Passes::mark_held() {
   TetMesh& m = part_.mesh;
   bool any = false;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~kHeld);
+    m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~(kHeld | kHindered));
     any = any || (is_bound(v) && m.is_live(v));
   }
   if (!any) return;
   // What has a tetrahedron with a bound vertex at one of its own is confined.
   const std::uint32_t stamp = ++part_.vert_stamp;
+  constexpr auto good = static_cast<float>(cube(kGoodQuality));
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
     const auto& tv = m.tet2vert[t];
     if (!is_bound(tv[0]) && !is_bound(tv[1]) && !is_bound(tv[2]) && !is_bound(tv[3])) continue;
-    for (const VertId v : tv) part_.vert_mark[v] = stamp;
+    const std::uint8_t hindered = part_.q3[t] < good ? kHindered : 0;
+    for (const VertId v : tv) {
+      part_.vert_mark[v] = stamp;
+      m.vert_flags[v] |= hindered;
+    }
   }
   const auto is_confined = [&](TetId t) {
     const auto& tv = m.tet2vert[t];

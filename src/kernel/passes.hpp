@@ -4,6 +4,9 @@
 
 namespace skein {
 
+/// Quality of elements beside a vertex that had to stay from which on they need no more work when it is free.
+inline constexpr double kGoodQuality = 0.75;
+
 /// Makes the part fit its metric where vertices are kActive: removes short edges, creates points along long ones,
 /// swaps, smooths, and works on the worst elements until none gets better. @pre prepare(part) has been called.
 /// Interface faces (no neighbour, no kHullFace) and kFrozen vertices stay as they are.

@@ -292,15 +292,16 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
     metric.size = {0.06, 0.06, 0.06};
     Part p = make_part({.n = 4, .perturb = 0.2}, metric);
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
-      p.mesh.vert_flags[v] |= kHeld;  // of an earlier round
+      p.mesh.vert_flags[v] |= kHeld | kHindered;  // of an earlier round
       if (frozen && p.x(v).x == 0) p.mesh.vert_flags[v] |= kFrozen;
     }
     adapt_part(p);
-    IdVector<VertId, char> of_bad(p.mesh.vert_slots(), 0);
+    IdVector<VertId, char> of_bad(p.mesh.vert_slots(), 0), of_poor(p.mesh.vert_slots(), 0);
     std::size_t bad = 0;
     for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) {
       if (!p.mesh.is_live(t)) continue;
       const auto& v = p.mesh.tet2vert[t];
+      for (const VertId w : v) of_poor[w] |= p.has_any(t, kFrozen) && p.q3[t] < cube(kGoodQuality) ? 1 : 0;
       bool is_bad = quality(quality_cubed(p, t)) < 0.3;
       for (const auto& e : kEdgeVerts) {
         const double l = p.length(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]);
@@ -315,6 +316,7 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
     EXPECT_EQ(bad > 0, frozen);
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
       EXPECT_TRUE(!p.mesh.has(v, kHeld) || (frozen && of_bad[v] != 0));
+      EXPECT_EQ(p.mesh.has(v, kHindered), p.mesh.is_live(v) && of_poor[v] != 0);
     }
   }
 }
