@@ -77,33 +77,34 @@ void InterfaceRegion::find_tets(GlobalId before) {
   if (!fresh.empty()) near.add(fresh);
   add_shared();
   for (int l = 0; l < kReach; ++l) add_layer();
+  near_held_ = near.found();
   if (!first.empty()) near.add(first);
   for (int l = 0; l < layers_; ++l) add_layer();
   tets_ = near.tets();
+  open_ = near.all_open();
 }
 
 /// One layer: wanted vertices without a label take the highest of the tetrahedra at them, on all ranks.
 template <class Wanted>
-void InterfaceRegion::spread(Labels& label, Wanted&& wanted) const {
+void InterfaceRegion::spread(const std::vector<TetId>& tets, Labels& label, Wanted&& wanted) const {
   const TetMesh& m = dist_.mesh;
-  struct Reached {
-    VertId v;
-    std::int64_t label;
-  };
-  std::vector<Reached> reached;
-  for (const TetId t : tets_) {
+  std::vector<VertId> reached;  // their new labels are negative until all have one
+  for (const TetId t : tets) {
     const std::int64_t best = highest(m, t, label);
     if (best == 0) continue;
     for (const VertId v : m.tet2vert[t]) {
-      if (label[idx(v)] == 0 && wanted(v, best)) reached.push_back({v, best});
+      std::int64_t& l = label[idx(v)];
+      if (l > 0 || !wanted(v, best)) continue;
+      if (l == 0) reached.push_back(v);
+      l = std::min(l, -best);
     }
   }
-  for (const Reached& r : reached) label[idx(r.v)] = std::max(label[idx(r.v)], r.label);
+  for (const VertId v : reached) label[idx(v)] = -label[idx(v)];
   halo_.max(std::span<std::int64_t>(label));
 }
 
-void InterfaceRegion::spread(Labels& label) const {
-  spread(label, [](VertId, std::int64_t) { return true; });
+void InterfaceRegion::spread(const std::vector<TetId>& tets, Labels& label) const {
+  spread(tets, label, [](VertId, std::int64_t) { return true; });
 }
 
 /// Per entry of dist.sharing: it shall become interior, if it can.
@@ -116,7 +117,7 @@ std::vector<char> InterfaceRegion::to_be_freed(GlobalId before) {
     if (sharing.gid[i] < before) label[idx(sharing.vert[i])] = 0;
   }
   halo_.max(std::span<std::int64_t>(label));
-  for (int l = 0; l < kReach; ++l) spread(label);
+  for (int l = 0; l < kReach; ++l) spread(near_held_, label);
   std::vector<char> wanted(sharing.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     wanted[i] = label[idx(sharing.vert[i])] != 0 || sharing.gid[i] < before ? 1 : 0;
@@ -143,8 +144,9 @@ Moves InterfaceRegion::displace(int layers, int round, GlobalId before) {
     }
     halo_.max(std::span<std::int64_t>(label));
   }
-  for (int l = 0; l < layers; ++l) spread(label);
+  for (int l = 0; l < layers; ++l) spread(tets_, label);
   Moves moves;
+  moves.open = open_;
   for (const TetId t : tets_) {
     const std::int64_t best = highest(m, t, label);
     if (best == 0 || label_rank(best) == comm_.rank()) continue;
@@ -171,7 +173,7 @@ bool InterfaceRegion::mark_active(int layers, GlobalId before) {
   any = comm_.max(any);
   if (any != 0) find_tets(before);
   for (int l = 0; any != 0 && l < layers; ++l) {
-    spread(label, [&](VertId v, std::int64_t best) { return best == kBad || m.has(v, kHindered); });
+    spread(tets_, label, [&](VertId v, std::int64_t best) { return best == kBad || m.has(v, kHindered); });
   }
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));

@@ -41,17 +41,19 @@ class InterfaceRegion {
   Labels& no_labels();
   void find_tets(GlobalId before);
   template <class Wanted>
-  void spread(Labels& label, Wanted&& wanted) const;
-  void spread(Labels& label) const;
+  void spread(const std::vector<TetId>& tets, Labels& label, Wanted&& wanted) const;
+  void spread(const std::vector<TetId>& tets, Labels& label) const;
   [[nodiscard]] std::vector<char> to_be_freed(GlobalId before);
 
   const Comm& comm_;
   DistMesh& dist_;
   Halo halo_;
   int layers_;
-  bool found_ = false;       ///< tets_ is there: not before it is needed
-  std::vector<TetId> tets_;  ///< ascending
-  Labels label_;             ///< one array for all steps
+  bool found_ = false;                      ///< tets_ is there: not before it is needed
+  std::vector<TetId> tets_;                 ///< ascending
+  std::vector<TetId> near_held_;            ///< those of them within kReach of what is held
+  std::optional<std::vector<TetId>> open_;  ///< of the mesh, if known
+  Labels label_;                            ///< one array for all steps
 };
 
 /// Collective. Vertices with kNoGlobal get global ids behind the largest there is: by rank, then local order. Sets the

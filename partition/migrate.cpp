@@ -208,7 +208,8 @@ class Stayers {
     for (const auto& [rank, edge] : features) feature_state_[edge] = kTouched;
   }
 
-  Staying find(const std::vector<FeatureUse>& features) {
+  /// `open`: the tetrahedra with a face without a neighbour, if they are known.
+  Staying find(const std::vector<FeatureUse>& features, const std::optional<std::vector<TetId>>& open) {
     // The tetrahedra at a vertex or an edge hang together over faces, so that one that stays is a neighbour of one that
     // leaves, or they do not, and then those that stay have a face without a neighbour there.
     for (const TetId t : leaving_.tets) {
@@ -216,9 +217,14 @@ class Stayers {
         if (f != kNoFace && !leaving_.has(face_tet(f))) look_at(face_tet(f), !features.empty());
       }
     }
-    visit_open_tets(m_, [&](TetId t) {
+    const auto look = [&](TetId t) {
       if (!leaving_.has(t)) look_at_open(t, !features.empty());
-    });
+    };
+    if (open.has_value()) {
+      std::for_each(open->begin(), open->end(), look);
+    } else {
+      visit_open_tets(m_, look);
+    }
     for (const VertId v : touched_) (state_[v] == kStays ? out_.verts : out_.gone).push_back(v);
     std::sort(out_.gone.begin(), out_.gone.end());
     const auto gone = [&](VertId v) { return state_[v] == kTouched; };
@@ -275,9 +281,9 @@ class Arrival {
     unlink_gone();
     number_vertices();
     for (std::size_t i = 0; i < vert_.size(); ++i) put_vertex(i);
-    std::vector<FaceId> open = std::move(staying_.open);
+    std::vector<FaceId> open;
     put_tets(open);
-    link_equal_faces(m_, open);
+    link_equal_faces(m_, open, staying_.open);
     fill_free_tets(m_, free_tets_);
     const MovedVerts now = fill_free_verts(m_, staying_.gone, [&](VertId from, VertId to) {
       dist_.vert2gid[to] = dist_.vert2gid[from];
@@ -410,7 +416,7 @@ void migrate(const Comm& comm, DistMesh& dist, const Moves& moves) {
   }
   std::vector<VertId> met = dist.sharing.vert;
   if (!leaving.none() || !in.tets.items.empty())
-    met = Arrival(dist, in, leaving, Stayers(dist, leaving, features).find(features)).run();
+    met = Arrival(dist, in, leaving, Stayers(dist, leaving, features).find(features, moves.open)).run();
   rebuild_sharing(comm, dist, met);
   merge_vertex_flags(comm, dist);
   count_global(comm, dist);

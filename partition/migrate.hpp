@@ -1,5 +1,6 @@
 // Migration: tetrahedra change their rank with all that hangs on them.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "comm/comm.hpp"
@@ -11,6 +12,8 @@ namespace skein {
 struct Moves {
   std::vector<TetId> tets;  ///< ascending
   std::vector<Rank> to;     ///< one for each of them
+  /// All tetrahedra with a face without a neighbour, if the caller has looked for them.
+  std::optional<std::vector<TetId>> open = {};
 };
 
 /// Collective. Moves tetrahedra to other ranks with their tags and references, their vertices (coordinates, reference,

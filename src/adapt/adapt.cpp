@@ -91,9 +91,13 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
 LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
   MetricField metric = metric_from_data(dist);
   LocalResult r = adapt_local(dist.mesh, metric, options);
+  const std::size_t n = dist.mesh.vert_slots(), room = n + n / 8;  // for what later rounds bring
+  dist.data.values.reserve(6 * room);
   data_from_metric(dist, metric, options.threads);
   // Only shared vertices keep their numbers; they were frozen.
-  IdVector<VertId, GlobalId> gid(dist.mesh.vert_slots(), kNoGlobal);
+  IdVector<VertId, GlobalId> gid;
+  gid.reserve(room);
+  gid.resize(n, kNoGlobal);
   for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
     dist.sharing.vert[i] = r.old2new[dist.sharing.vert[i]];
     gid[dist.sharing.vert[i]] = dist.sharing.gid[i];

@@ -30,27 +30,50 @@ void move_tet(TetMesh& m, TetId from, TetId to) {
 
 }  // namespace
 
-void link_equal_faces(TetMesh& m, std::span<const FaceId> faces) {
-  struct Side {
-    std::int64_t low = -1;  ///< the two vertices with the lowest numbers in one; -1: there is none
-    VertId high = kNoVert;
-    FaceId face = kNoFace;
-  };
-  // Open addressing, at most half full; a face that has its neighbour stays, as others may have been pushed on by it.
-  std::vector<Side> sides(std::bit_ceil(2 * faces.size() + 1));
-  const std::size_t mask = sides.size() - 1;
-  for (const FaceId f : faces) {
+namespace {
+
+/// Faces by their vertices: open addressing, at most half full.
+class FaceTable {
+ public:
+  explicit FaceTable(std::size_t n) : sides_(std::bit_ceil(2 * n + 1)) {}
+  /// The place of a face with these vertices, or the free one where it would be.
+  FaceId& at(const TetMesh& m, FaceId f) noexcept {
     auto v = face_verts(m, f);
     std::sort(v.begin(), v.end());
     const std::int64_t low = std::int64_t{num(v[0])} << 32 | num(v[1]);
     const auto key = static_cast<std::uint64_t>(low) + static_cast<std::uint64_t>(num(v[2])) * 0xbf58476d1ce4e5b9U;
+    const std::size_t mask = sides_.size() - 1;
     std::size_t s = (key ^ key >> 29) * 0x9e3779b97f4a7c15U >> 20 & mask;
-    while (sides[s].low >= 0 && (sides[s].low != low || sides[s].high != v[2])) s = (s + 1) & mask;
-    if (sides[s].low >= 0) {
-      link_faces(m, sides[s].face, f);
+    while (sides_[s].face != kNoFace && (sides_[s].low != low || sides_[s].high != v[2])) s = (s + 1) & mask;
+    sides_[s].low = low;
+    sides_[s].high = v[2];
+    return sides_[s].face;
+  }
+
+ private:
+  struct Side {
+    std::int64_t low = -1;  ///< the two vertices with the lowest numbers in one
+    VertId high = kNoVert;
+    FaceId face = kNoFace;
+  };
+  std::vector<Side> sides_;
+};
+
+}  // namespace
+
+void link_equal_faces(TetMesh& m, std::span<const FaceId> faces, std::span<const FaceId> others) {
+  FaceTable table(faces.size());
+  for (const FaceId f : faces) {
+    FaceId& place = table.at(m, f);
+    if (place == kNoFace) {
+      place = f;
     } else {
-      sides[s] = {low, v[2], f};
+      link_faces(m, place, f);  // what is linked stays, as others may have been pushed on by it
     }
+  }
+  for (const FaceId f : others) {
+    const FaceId g = table.at(m, f);
+    if (g != kNoFace) link_faces(m, f, g);
   }
 }
 

@@ -37,8 +37,9 @@ inline void link_faces(TetMesh& m, FaceId f, FaceId g) noexcept {
   m.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
 }
 
-/// Makes neighbours of those among the faces that have the same vertices. @pre no three of them have.
-void link_equal_faces(TetMesh& m, std::span<const FaceId> faces);
+/// Makes neighbours of those among the faces that have the same vertices, also with one of the others; that two others
+/// have is not looked for. @pre no three have the same.
+void link_equal_faces(TetMesh& m, std::span<const FaceId> faces, std::span<const FaceId> others = {});
 
 /// The arrays of the tetrahedra to n items.
 void resize_tets(TetMesh& m, std::size_t n);

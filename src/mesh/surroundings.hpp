@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -96,6 +97,10 @@ class Surroundings {
     }
     next_tet_ = begin;  // these have the new vertices
   }
+  /// The tetrahedra with a face without a neighbour, ascending, if add() has looked for them.
+  [[nodiscard]] const std::optional<std::vector<TetId>>& all_open() const noexcept { return all_open_; }
+  /// The tetrahedra so far, as they were found.
+  [[nodiscard]] const std::vector<TetId>& found() const noexcept { return tets_; }
   [[nodiscard]] const std::vector<VertId>& verts() const noexcept { return verts_; }
   [[nodiscard]] bool has(VertId v) const noexcept { return seen_[v] != 0; }
   [[nodiscard]] bool has(TetId t) const noexcept { return inside_[t] != 0; }
@@ -122,8 +127,10 @@ class Surroundings {
   /// Tetrahedra that hang together at a vertex but not with its first one have a face without a neighbour. All faces
   /// are looked at once, which is quick.
   void enter_open() {
-    if (!open_known_) visit_open_tets(m_, [&](TetId t) { open_.push_back(t); });
-    open_known_ = true;
+    if (!all_open_) {
+      visit_open_tets(m_, [&](TetId t) { open_.push_back(t); });
+      all_open_ = open_;
+    }
     std::erase_if(open_, [&](TetId t) {
       const auto& v = m_.tet2vert[t];
       if (v[0] != kNoVert && (seen_[v[0]] | seen_[v[1]] | seen_[v[2]] | seen_[v[3]]) != 0) enter(t);
@@ -152,7 +159,7 @@ class Surroundings {
   IdVector<TetId, char> inside_;
   std::vector<VertId> verts_;
   std::vector<TetId> tets_, open_;  ///< of the open ones, those that are not inside yet
-  bool open_known_ = false;
+  std::optional<std::vector<TetId>> all_open_;
   std::size_t searched_ = 0;                   ///< vertices whose tetrahedra have been added
   std::size_t next_tet_ = 0, newest_tet_ = 0;  ///< to look round; to take the vertices of
 };
