@@ -47,7 +47,7 @@ bool Smoother::freedom(VertId v, Freedom& free) {
   if (!m.has(v, kSurface | kRidge)) return true;
   if (!part_->options.surface) return false;
   const bool ridge = m.has(v, kRidge);
-  Vec3 normal, line;
+  Vec3 one, normal, line;  // of one facet, of all by their areas: what a needle says is next to nothing
   VertId ends[2] = {kNoVert, kNoVert};
   bool first = true;
   for (const FaceId at : ball_) {
@@ -70,10 +70,13 @@ bool Smoother::freedom(VertId v, Freedom& free) {
         }
         continue;
       }
-      const Vec3 n = normalized(cross(part_->x(k[1]) - part_->x(k[0]), part_->x(k[2]) - part_->x(k[0])));
-      if (first) normal = n;
+      const Vec3 area = cross(part_->x(k[1]) - part_->x(k[0]), part_->x(k[2]) - part_->x(k[0]));
+      const Vec3 n = normalized(area);
+      if (first) one = n;
       first = false;
-      if (norm(cross(n, normal)) > kFlat * 1e3) return false;
+      if (norm(cross(n, one)) > kFlat * 1e3) return false;
+      // Of an internal interface, facets come from both sides.
+      normal += dot(n, one) < 0 ? -1.0 * area : area;
     }
   }
   if (ridge) {
@@ -87,6 +90,7 @@ bool Smoother::freedom(VertId v, Freedom& free) {
     return true;
   }
   free.dims = 2;
+  normal = normalized(normal);
   const Vec3 axis = std::abs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   free.t0 = normalized(cross(normal, axis));
   free.t1 = cross(normal, free.t0);

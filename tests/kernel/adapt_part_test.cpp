@@ -77,7 +77,8 @@ Items frozen_vertices(const Part& p) {
     if (!p.mesh.is_live(v) || !p.mesh.has(v, kFrozen)) continue;
     const Vec3 x = p.x(v);
     const SymTensor& l = p.metric.log_at[v];
-    out.insert({x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v] & ~kHeld)});
+    out.insert(
+        {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v] & ~(kHindered | kHeld))});
   }
   return out;
 }
