@@ -122,9 +122,8 @@ void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector
       const VertId w = p.mesh.coords.push_back(m.coords[v]);
       to_block[v] = w;
       p.mesh.vert_ref.push_back(m.vert_ref[v]);
-      auto flags = static_cast<std::uint8_t>(m.vert_flags[v] & ~kWasFrozen);
+      auto flags = static_cast<std::uint8_t>(m.vert_flags[v] & ~kHindered);
       if ((flags & kFrozen) != 0) {
-        flags |= kWasFrozen;
         out.frozen.push_back(w);
         out.frozen_of.push_back(v);
       }
@@ -201,8 +200,13 @@ void follow(Block& block, const IdVector<VertId, VertId>& old2new) {
 bool refine_block_interface(Block& block, double times) {
   const std::size_t before = block.part.mesh.vert_slots();
   const auto free = std::exchange(block.part.free_verts, {});  // what is new shall be at the end
+  constexpr std::uint8_t kWasFrozen = kHindered;               // which is the kernel's, and not in use yet
   const int keep = kWasFrozen | (block.part.options.surface ? 0 : kSurface);
-  if (!refine_interface(block.part, block.id, static_cast<std::uint8_t>(keep), times)) return false;
+  auto& flags = block.part.mesh.vert_flags;
+  for (const VertId v : block.frozen) flags[v] |= kWasFrozen;
+  const bool refined = refine_interface(block.part, block.id, static_cast<std::uint8_t>(keep), times);
+  for (const VertId v : block.frozen) flags[v] = static_cast<std::uint8_t>(flags[v] & ~kWasFrozen);
+  if (!refined) return false;
   block.part.free_verts = free;
   for (std::size_t i = before; i < block.part.mesh.vert_slots(); ++i) block.common.push_back(to_id<VertId>(i));
   return true;

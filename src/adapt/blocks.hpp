@@ -22,9 +22,6 @@ BlockLabels cut_blocks(TetMesh& mesh, const MetricField& metric, int blocks);
 /// Vertices with tetrahedra of several blocks: true.
 IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);
 
-/// In a block's vert_flags until the kernel runs: frozen before the cut.
-inline constexpr std::uint8_t kWasFrozen = kHindered;
-
 /// One part with what leads back to the mesh it was cut from.
 struct Block {
   Part part;
