@@ -27,7 +27,7 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 8;         ///< elements out of one in a step of growth
+constexpr double kGrowth = 12;         ///< elements out of one in a step of growth
 constexpr int kMostSteps = 10;        ///< of growth
 constexpr int kTurnsAfterGrowth = 4;  ///< of the main passes, in parts of a mesh that is unit in another metric already
 constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
@@ -116,13 +116,29 @@ OperationCounts adapt_band(DistMesh& dist, LocalOptions options) {
   return r.counts;
 }
 
+/// A new interface along an old one would leave what lies there frozen again.
+void make_old_interfaces_heavy(const DistMesh& dist, std::vector<std::int32_t>& cost) {
+  constexpr std::int32_t kHeavier = 4, kMost = 1000;
+  const TetMesh& m = dist.mesh;
+  const auto was_shared = [&](VertId v) { return m.has(v, kFrozen); };
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (int k = 0; k < 4; ++k) {
+      const FaceId f = make_face(t, k);
+      const auto v = face_verts(m, f);
+      if (std::all_of(v.begin(), v.end(), was_shared)) cost[idx(f)] = std::min(kMost, kHeavier * cost[idx(f)]);
+    }
+  }
+}
+
 /// Collective. Compact parts of equal predicted work with small interfaces in the final mesh, which are then refined.
-void cut_parts(const Comm& comm, DistMesh& dist, int parts, const LocalOptions& local) {
+/// `grown`: on parts of the mesh the kernel has been at work before.
+void cut_parts(const Comm& comm, DistMesh& dist, int parts, bool grown, const LocalOptions& local) {
   std::vector<double> work;
   std::vector<std::int32_t> cost;
   agree(comm, [&] {
     work = predicted_work(dist);
     cost = face_costs(dist.mesh, metric_from_data(dist), local.threads);
+    if (grown) make_old_interfaces_heavy(dist, cost);
   });
   MultilevelOptions options;
   options.face_weight = cost;
@@ -212,7 +228,7 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
     const Workers now = workers_for(limits, std::min(limits.able, comm.size()), local.threads, step > 0);
     LocalOptions step_options = local;
     step_options.threads = now.threads;
-    if (comm.size() > 1) cut_parts(comm, dist, now.parts, local);
+    if (comm.size() > 1) cut_parts(comm, dist, now.parts, step > 0, local);
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
     run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log,
                [&] { return adapt_rank(dist, step_options).counts; });
@@ -238,7 +254,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   const auto [parts, threads, grown] = grow(comm, dist, local, log);
   local.threads = threads;
   log.start("round 1: partition");
-  if (comm.size() > 1) cut_parts(comm, dist, parts, local);
+  if (comm.size() > 1) cut_parts(comm, dist, parts, grown, local);
   finish();
   LocalOptions first = local;
   if (grown) first.kernel.least_turns = kTurnsAfterGrowth;
