@@ -61,6 +61,20 @@ void data_from_metric(DistMesh& dist, const MetricField& f, int threads) {
   });
 }
 
+/// Collective. Tells whether the metric has directions anywhere: lengths that differ by more than a tenth.
+bool has_directions(const Comm& comm, const DistMesh& dist) {
+  constexpr double kLittle = 0.2;  // of the logarithms of 1/length^2
+  std::int32_t found = 0;
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    const double* l = dist.data.at(v);  // xx xy yy xz yz zz
+    const double mean = (l[0] + l[2] + l[5]) / 3;
+    const auto off = [&](int i) { return std::abs(l[i] - mean); };
+    const double most = std::max({off(0), off(2), off(5), std::abs(l[1]), std::abs(l[3]), std::abs(l[4])});
+    found |= most > kLittle ? 1 : 0;
+  }
+  return comm.max(found) != 0;
+}
+
 /// Collective. Refines the interface between ranks where its edges are too long for the metric, on both sides alike;
 /// not at all if that fails on any rank.
 void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions& options) {
@@ -250,6 +264,8 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
     if (dist.data.width != 6) throw Error(ExitCode::kInternal, "adapt needs the log-metric and nothing else as data");
   });
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
+  // Where lengths differ by direction, cavities fit less well, and every edge by itself is worth a look.
+  const bool directed = has_directions(comm, dist);
   for (auto& f : dist.mesh.vert_flags) f |= kActive;
   const auto [parts, threads, grown] = grow(comm, dist, local, log);
   local.threads = threads;
@@ -257,6 +273,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   if (comm.size() > 1) cut_parts(comm, dist, parts, grown, local);
   finish();
   LocalOptions first = local;
+  first.kernel.relax = directed;
   if (grown) first.kernel.least_turns = kTurnsAfterGrowth;
   bool hard = false;
   const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] {

@@ -9,7 +9,7 @@ namespace {
 constexpr double kLongest = 2;       ///< edge that may come of removing a vertex of a bad element
 constexpr double kVeryPoor = 0.35;   ///< quality below which steps along axes are tried
 constexpr double kRelaxFloor = 0.4;  ///< quality below which no element gets worse when edges are relaxed
-constexpr int kRelaxTurns = 4, kTries = 3;
+constexpr int kTries = 3;
 /// Sweeps end when none finds anything better, after 41 at most in all cases seen; this is for what has not been seen.
 constexpr int kMostSweeps = 500;
 
@@ -181,8 +181,8 @@ bool Hunter::relax_edge(TetId t, VertId a, VertId b) {
   return (part_->mesh.has(b, kActive) && smooth_->move_to_relax(b, kFloor)) || moved;
 }
 
-void Hunter::relax() {
-  for (int turn = 0; turn < kRelaxTurns; ++turn) {
+void Hunter::relax(int turns) {
+  for (int turn = 0; turn < turns; ++turn) {
     bool any = false;
     part_->refused.assign(part_->mesh.tet_slots(), 0);
     for (std::size_t i = 0; i < part_->mesh.tet_slots(); ++i) {

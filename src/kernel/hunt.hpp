@@ -23,8 +23,9 @@ class Hunter {
   /// below `floor`. It goes on where the worst element of a few that hold each other cannot get better at once.
   /// @pre judge_carefully(true).
   void lighten(double target, double floor);
-  /// Makes edges that are too long or too short fewer by every operator that lessens the strain round them.
-  void relax();
+  /// Makes edges that are too long or too short fewer by every operator that lessens the strain round them, in so many
+  /// sweeps at most.
+  void relax(int turns);
   /// From now on elements are judged carefully, or no longer.
   void judge_carefully(bool careful);
   /// Clears the passes' bits of Part::dirty, which then tell what changes. Where no element is below `quality`, returns

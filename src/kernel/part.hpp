@@ -23,6 +23,7 @@ struct KernelOptions {
   bool springs = false;          ///< move vertices by springs between them instead of by quality
   bool surface = true;           ///< tagged faces may change
   int least_turns = 2;           ///< of the main passes, even if little changes any more
+  bool relax = false;            ///< strained edges are worked on one by one after the main passes
   bool only_held = false;        ///< begin at kHeld vertices only, and go on to what changes, where active
   /// The metric turns within the elements of the mesh that this part is of. Not set: as the part itself looks, which
   /// for a band round bad elements would say nothing.

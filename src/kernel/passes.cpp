@@ -486,8 +486,9 @@ Care main_turns(Passes& pass, Part& part) {
   return care;
 }
 
-void hunt(Passes& pass, Care care) {
+void hunt(Passes& pass, Care care, bool relax) {
   pass.hunt_lengths(kFar);
+  if (relax) pass.hunt().relax(1);
   pass.swap_below(care.swap);
   pass.smooth_below(0.75);
   pass.hunt_lengths(kFar);
@@ -501,17 +502,18 @@ void hunt(Passes& pass, Care care) {
 
 /// The same where the metric turns within its elements.
 void hunt_carefully(Passes& pass, Care care, bool settled) {
+  constexpr int kRelaxTurns = 4;
   constexpr double kFewer = 0.4, kWorst = 0.39, kFloorOfWorst = 0.36;
   Hunter& hunt = pass.hunt();
   hunt.judge_carefully(true);
   pass.hunt_lengths(kVeryFar);
-  hunt.relax();
+  hunt.relax(kRelaxTurns);
   if (!settled) {
     pass.swap_below(care.swap);
     pass.smooth_below(0.75);
   }
   hunt.lighten(settled ? kFewer : kPoor, 0);
-  hunt.relax();
+  hunt.relax(kRelaxTurns);
   hunt.lighten(kFewer, 0);
   hunt.worst(kWorst);
   // In turns, since each of them leaves the other new places to go on from.
@@ -547,7 +549,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   if (part.hard) {
     hunt_carefully(pass, care, settled);
   } else {
-    hunt(pass, care);
+    hunt(pass, care, part.options.relax);
     hunt_bad(pass);
   }
   part.anchors = {};
