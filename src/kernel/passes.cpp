@@ -502,7 +502,7 @@ void hunt(Passes& pass, Care care, bool relax) {
 
 /// The same where the metric turns within its elements.
 void hunt_carefully(Passes& pass, Care care, bool settled) {
-  constexpr int kRelaxTurns = 4;
+  constexpr int kRelaxTurns = 4, kPairs = 3;
   constexpr double kFewer = 0.4, kWorst = 0.39, kFloorOfWorst = 0.36;
   Hunter& hunt = pass.hunt();
   hunt.judge_carefully(true);
@@ -517,7 +517,7 @@ void hunt_carefully(Passes& pass, Care care, bool settled) {
   hunt.lighten(kFewer, 0);
   hunt.worst(kWorst);
   // In turns, since each of them leaves the other new places to go on from.
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < kPairs; ++i) {
     hunt.lighten(kWorst, kFloorOfWorst);
     hunt.worst(kWorst);
   }
