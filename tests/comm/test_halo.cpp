@@ -113,6 +113,24 @@ TEST(Halo, integers_count_the_copies) {
   EXPECT_EQ(world().sum(owned), kVerts);
 }
 
+TEST(Halo, one_number_per_shared_vertex_gives_the_same) {
+  const Case c = make_case(kVerts);
+  const Halo halo(world(), c.sharing);
+  std::vector<double> per_vertex, sums, greatest;
+  for (const auto g : c.gid) per_vertex.push_back(wild(g, num(world().rank()), 0));
+  for (const VertId v : c.sharing.vert) sums.push_back(per_vertex[idx(v)]);
+  greatest = sums;
+  auto summed = per_vertex;
+  halo.sum(std::span(summed));
+  halo.max(std::span(per_vertex));
+  halo.sum_shared(std::span(sums));
+  halo.max_shared(std::span(greatest));
+  for (std::size_t i = 0; i < c.sharing.size(); ++i) {
+    EXPECT_EQ(sums[i], summed[idx(c.sharing.vert[i])]);
+    EXPECT_EQ(greatest[i], per_vertex[idx(c.sharing.vert[i])]);
+  }
+}
+
 TEST(Halo, works_with_nothing_shared) {
   const Halo halo(world(), Sharing{});
   std::vector<double> v{1, 2, 3};

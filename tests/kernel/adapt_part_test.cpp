@@ -251,6 +251,24 @@ TEST(AdaptPart, CreatesPointsInTwoSteps) {
   EXPECT_EQ(fit(p).above_two, 0);
 }
 
+TEST(AdaptPart, RelaxesStrainedEdges) {
+  SmoothMetric metric;
+  metric.size = {0.03, 0.06, 0.12};
+  const auto adapted = [&](bool relax) {
+    Part p = make_part({.n = 4, .two_regions = true, .perturb = 0.2}, metric);
+    p.options.relax = relax;
+    const Measures before = measure(p.mesh);
+    adapt_part(p);
+    EXPECT_EQ(judge(p), "");
+    EXPECT_EQ(differ(before, measure(p.mesh), 1e-12), "");
+    return fit(p);
+  };
+  const auto plain = adapted(false), relaxed = adapted(true);
+  EXPECT_LT(1 - relaxed.unit_share, 0.75 * (1 - plain.unit_share));
+  EXPECT_LE(relaxed.longest, std::max(2.2, plain.longest));
+  EXPECT_GT(relaxed.worst, 0.2);
+}
+
 /// All that have a bit, in order, also what a visit adds behind them, unless it is beyond the end.
 TEST(Dirty, IsVisitedWhereThereIsABit) {
   for (const std::size_t n : {0, 1, 7, 8, 9, 40}) {

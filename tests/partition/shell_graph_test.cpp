@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -47,6 +48,26 @@ TEST(ShellGraph, HasAllWeightAndTheRowsOfTheWhole) {
   std::int64_t from_core = 0;
   for (const Edge& e : g.edges(to_id<NodeId>(shell.tets.size()))) from_core += e.weight;
   EXPECT_EQ(from_core, into_core);
+}
+
+TEST(ShellGraph, ReachesBehindThoseInterfacesOnlyThatAreNamed) {
+  const Comm& comm = world();
+  const DistMesh dist = distribute(comm, slices(comm, cube(8)));
+  const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
+  const auto faces = match_interface(comm, dist);
+  std::vector<double> reach(static_cast<std::size_t>(comm.size()), 0);
+  IdVector<TetId, char> there(work.size(), 0);
+  for (const InterfaceFace& f : faces) there[face_tet(f.mine)] = 1;
+  const auto on_interface = static_cast<std::size_t>(std::count(there.begin(), there.end(), 1));
+  EXPECT_EQ(shell_graph(comm, dist, work, faces, reach).tets.size(), on_interface);
+  if (faces.empty()) return;
+  const Rank behind = faces.front().rank;
+  const auto at_it =
+      std::count_if(faces.begin(), faces.end(), [&](const InterfaceFace& f) { return f.rank == behind; });
+  reach[idx(behind)] = 2.0 * static_cast<double>(at_it);  // each has a tetrahedron or shares it with others
+  const auto reached = shell_graph(comm, dist, work, faces, reach).tets.size();
+  EXPECT_GT(reached, on_interface);
+  EXPECT_LE(reached, on_interface + 2 * static_cast<std::size_t>(at_it) + 3);
 }
 
 TEST(ShellGraph, IsTheWholeGraphWhereItReachesThatFar) {
