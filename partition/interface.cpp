@@ -2,12 +2,8 @@
 #include "partition/interface.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <iterator>
 #include <numeric>
 
-#include "mesh/subset.hpp"
 #include "mesh/surroundings.hpp"
 #include "partition/duels.hpp"
 #include "partition/sharing.hpp"

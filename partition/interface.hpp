@@ -2,10 +2,10 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "comm/comm.hpp"
-#include "metric/metric_field.hpp"
 #include "partition/dist_mesh.hpp"
 #include "partition/migrate.hpp"
 

@@ -27,7 +27,7 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 12;         ///< elements out of one in a step of growth
+constexpr double kGrowth = 12;        ///< elements out of one in a step of growth
 constexpr int kMostSteps = 10;        ///< of growth
 constexpr int kTurnsAfterGrowth = 4;  ///< of the main passes, in parts of a mesh that is unit in another metric already
 constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
