@@ -35,28 +35,41 @@ class Halo {
   /// Collective. values: `width` numbers per local vertex, vertex after vertex.
   template <Reducible T>
   void sum(std::span<T> values, int width = 1) const {
-    combine(values, width, Op::kSum);
+    combine<T>(at_vertex(values, width), width, Op::kSum);
   }
   template <Reducible T>
   void min(std::span<T> values, int width = 1) const {
-    combine(values, width, Op::kMin);
+    combine<T>(at_vertex(values, width), width, Op::kMin);
   }
   template <Reducible T>
   void max(std::span<T> values, int width = 1) const {
-    combine(values, width, Op::kMax);
+    combine<T>(at_vertex(values, width), width, Op::kMax);
   }
   /// Collective. The lowest rank's copy everywhere.
   template <Reducible T>
   void copy_from_owner(std::span<T> values, int width = 1) const;
   /// Collective. values: one number per shared vertex, in the order of the Sharing.
   template <Reducible T>
-  void sum_shared(std::span<T> values) const;
+  void sum_shared(std::span<T> values) const {
+    combine<T>(at_entry(values), 1, Op::kSum);
+  }
   template <Reducible T>
-  void max_shared(std::span<T> values) const;
+  void max_shared(std::span<T> values) const {
+    combine<T>(at_entry(values), 1, Op::kMax);
+  }
 
  private:
+  // Where the numbers of shared vertex i are.
   template <Reducible T>
-  void combine(std::span<T> values, int width, Op op) const;
+  auto at_vertex(std::span<T> values, int width) const {
+    return [=, this](std::size_t i) { return values.data() + idx(sharing_.vert[i]) * static_cast<std::size_t>(width); };
+  }
+  template <Reducible T>
+  static auto at_entry(std::span<T> values) {
+    return [=](std::size_t i) { return values.data() + i; };
+  }
+  template <Reducible T, class At>
+  void combine(At at, int width, Op op) const;
   /// total = fold(...fold(copy of lowest rank, next)..., copy of highest rank) at every shared vertex: `width` numbers
   /// from at(i) on.
   template <Reducible T, class At, class Fold>

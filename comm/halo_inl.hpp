@@ -43,11 +43,8 @@ void Halo::fold_copies(At at, int width, Fold fold) const {
   for (std::size_t i = 0; i < sharing_.size(); ++i) detail::copy_few(total.data() + i * w, w, at(i));
 }
 
-template <Reducible T>
-void Halo::combine(std::span<T> values, int width, Op op) const {
-  const auto at = [&](std::size_t i) {
-    return values.data() + idx(sharing_.vert[i]) * static_cast<std::size_t>(width);
-  };
+template <Reducible T, class At>
+void Halo::combine(At at, int width, Op op) const {
   switch (op) {
     case Op::kSum:
       return fold_copies<T>(at, width, [](T a, T b) { return a + b; });
@@ -60,19 +57,7 @@ void Halo::combine(std::span<T> values, int width, Op op) const {
 
 template <Reducible T>
 void Halo::copy_from_owner(std::span<T> values, int width) const {
-  const auto at = [&](std::size_t i) {
-    return values.data() + idx(sharing_.vert[i]) * static_cast<std::size_t>(width);
-  };
-  fold_copies<T>(at, width, [](T a, T) { return a; });
-}
-
-template <Reducible T>
-void Halo::sum_shared(std::span<T> values) const {
-  fold_copies<T>([&](std::size_t i) { return values.data() + i; }, 1, [](T a, T b) { return a + b; });
-}
-template <Reducible T>
-void Halo::max_shared(std::span<T> values) const {
-  fold_copies<T>([&](std::size_t i) { return values.data() + i; }, 1, [](T a, T b) { return a < b ? b : a; });
+  fold_copies<T>(at_vertex(values, width), width, [](T a, T) { return a; });
 }
 
 }  // namespace skein
