@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "mesh/error.hpp"
-#include "mesh/ids.hpp"
+#include "base/error.hpp"
+#include "base/ids.hpp"
 
 namespace skein {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "mesh/error.hpp"
+#include "base/error.hpp"
 
 namespace skein::detail {
 

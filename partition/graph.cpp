@@ -1,53 +1,19 @@
-// The dual graph, matching and contraction.
+// Weights, ghosts, matching and contraction.
 #include "partition/graph.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "mesh/parallel.hpp"
-#include "partition/interface_faces.hpp"
-#include "partition/rendezvous.hpp"
+#include "base/hash.hpp"
+#include "base/parallel.hpp"
+#include "partition/graph_rows.hpp"
 
 namespace skein {
 namespace {
 
 /// All ranks' work adds up to about this: small enough that sums of it fit, fine enough for 10^10 tetrahedra.
 constexpr double kTotalWeight = 1LL << 52;
-
-/// Fills g.first and g.edge with n rows; append(begin, end, edge, ends) appends the rows [begin, end) to `edge` and
-/// puts what edge.size() is after each of them into `ends`. Every thread makes a piece of the rows, and the pieces are
-/// joined.
-template <class Append>
-void make_rows(Graph& g, std::size_t n, std::size_t expected_edges, int threads, const Append& append) {
-  g.first.resize(n + 1);
-  g.first[0] = 0;
-  const std::span<std::uint32_t> ends(g.first.data() + 1, n);
-  if (threads == 1) {
-    g.edge.reserve(expected_edges);
-    append(0, n, g.edge, ends);
-    return;
-  }
-  std::vector<std::vector<Edge>> piece(static_cast<std::size_t>(threads));
-  const auto share = [&](int w) { return std::pair(share_begin(n, w, threads), share_begin(n, w + 1, threads)); };
-  in_parallel(threads, [&](int w) {
-    const auto [begin, end] = share(w);
-    auto& mine = piece[static_cast<std::size_t>(w)];
-    mine.reserve(expected_edges / static_cast<std::size_t>(threads));
-    append(begin, end, mine, ends.subspan(begin, end - begin));
-  });
-  std::vector<std::size_t> start(piece.size() + 1, 0);
-  for (std::size_t w = 0; w < piece.size(); ++w) start[w + 1] = start[w] + piece[w].size();
-  grow_in_parallel(g.edge, start.back(), threads);
-  in_parallel(threads, [&](int w) {
-    const auto [begin, end] = share(w);
-    auto& mine = piece[static_cast<std::size_t>(w)];
-    const std::size_t at = start[static_cast<std::size_t>(w)];
-    std::copy(mine.begin(), mine.end(), g.edge.begin() + static_cast<std::ptrdiff_t>(at));
-    mine = {};
-    for (auto& e : ends.subspan(begin, end - begin)) e += static_cast<std::uint32_t>(at);
-  });
-}
 
 }  // namespace
 
@@ -80,54 +46,6 @@ Ghosts make_ghosts(const std::vector<std::pair<NodeId, RemoteNode>>& links) {
     nodes.push_back(node);
   }
   out.wanted = pack(std::span<const Rank>(dest), std::span<const NodeId>(nodes));
-  return out;
-}
-
-DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work,
-                     std::span<const std::int32_t> face_weight, int threads) {
-  const TetMesh& m = dist.mesh;
-  const std::size_t n = m.tet_slots();
-  const auto faces = match_interface(comm, dist);
-  const auto weight_at = [&](FaceId f) { return face_weight.empty() ? 1 : std::max(1, face_weight[idx(f)]); };
-  std::vector<std::int32_t> mine(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) mine[i] = weight_at(faces[i].mine);
-  const auto theirs = swap_over_interface(comm, faces, mine);
-
-  DistGraph out;
-  std::vector<std::pair<NodeId, RemoteNode>> links(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    links[i] = {NodeId{num(face_tet(faces[i].mine))}, {faces[i].rank, NodeId{num(face_tet(faces[i].theirs))}}};
-  }
-  out.ghosts = make_ghosts(links);
-  Graph& g = out.graph;
-  set_weights(comm, work, g);
-  const auto& remote = out.ghosts.remote;
-  make_rows(g, n, 4 * n, threads_for(n, threads),
-            [&](std::size_t begin, std::size_t end, std::vector<Edge>& edge, std::span<std::uint32_t> ends) {
-              auto next = std::lower_bound(faces.begin(), faces.end(), make_face(to_id<TetId>(begin), 0),
-                                           [](const InterfaceFace& i, FaceId f) { return i.mine < f; });
-              for (const TetId t : IdRange<TetId>(begin, end)) {
-                const std::size_t row = edge.size();
-                const auto add = [&](NodeId to, std::int32_t w) {  // two tetrahedra may share two faces
-                  for (std::size_t e = row; e < edge.size(); ++e) {
-                    if (edge[e].to == to) return void(edge[e].weight += w);
-                  }
-                  edge.push_back({to, w});
-                };
-                for (int s = 0; s < 4; ++s) {
-                  const FaceId f = make_face(t, s), o = m.tet2face[t][static_cast<std::size_t>(s)];
-                  if (o != kNoFace) {
-                    add(NodeId{num(face_tet(o))}, std::max(weight_at(f), weight_at(o)));
-                  } else if (next != faces.end() && next->mine == f) {
-                    const auto i = static_cast<std::size_t>(next - faces.begin());
-                    const auto at = std::lower_bound(remote.begin(), remote.end(), links[i].second) - remote.begin();
-                    add(to_id<NodeId>(n + static_cast<std::size_t>(at)), std::max(mine[i], theirs[i]));
-                    ++next;
-                  }
-                }
-                ends[idx(t) - begin] = static_cast<std::uint32_t>(edge.size());
-              }
-            });
   return out;
 }
 
@@ -264,7 +182,7 @@ Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::s
   return out;
 }
 
-Graph subgraph(const Graph& g, const IdVector<NodeId, Rank>& part, Rank which, std::vector<NodeId>& inside) {
+Graph subgraph(const Graph& g, const IdVector<NodeId, PartId>& part, PartId which, std::vector<NodeId>& inside) {
   inside.clear();
   IdVector<NodeId, NodeId> number(g.nodes(), kNoNode);
   for (const NodeId v : IdRange<NodeId>(g.nodes())) {
@@ -285,7 +203,7 @@ Graph subgraph(const Graph& g, const IdVector<NodeId, Rank>& part, Rank which, s
   return out;
 }
 
-std::int64_t cut_rows(const Graph& g, const IdVector<NodeId, Rank>& part) {
+std::int64_t cut_rows(const Graph& g, const IdVector<NodeId, PartId>& part) {
   std::int64_t cut = 0;
   for (const NodeId v : IdRange<NodeId>(g.nodes())) {
     for (const Edge& e : g.edges(v)) cut += part[e.to] != part[v] ? e.weight : 0;

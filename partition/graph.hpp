@@ -1,14 +1,12 @@
-// Graph: weighted nodes and edges in rows; the dual graph of a mesh (node = tetrahedron, edge = face) and what it is
-// coarsened to.
+// Graph: weighted nodes and edges in rows, on one rank or over all ranks, and what it is coarsened to.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "base/ids.hpp"
 #include "comm/exchange.hpp"
-#include "mesh/ids.hpp"
-#include "partition/dist_mesh.hpp"
 
 namespace skein {
 
@@ -70,13 +68,6 @@ Ghosts make_ghosts(const std::vector<std::pair<NodeId, RemoteNode>>& links);
 /// ranks.
 void set_weights(const Comm& comm, std::span<const double> work, Graph& g);
 
-/// Collective. The dual graph. Edges weigh 1, or what face_weight says at FaceId (4 numbers >= 1 per tetrahedron, of
-/// the two sides of a face the larger one counts); node weights are `work` scaled to integers, so that sums are exact
-/// in any order. The same for any number of threads. @pre work: one finite number >= 0 per tetrahedron; dist is
-/// compact.
-DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work,
-                     std::span<const std::int32_t> face_weight = {}, int threads = 1);
-
 /// The graph of nodes that are sets of another's nodes. `coarse` numbers the sets: one entry per own node and ghost,
 /// own sets first (0 .. nodes-1), then sets of ghosts. Edges inside a set vanish, parallel ones add up. The same for
 /// any number of threads.
@@ -94,9 +85,9 @@ struct Matching {
 Matching match_heavy_edges(const Graph& graph, std::int64_t max_weight, std::uint64_t seed = 0, int threads = 1);
 
 /// The own nodes with `part[v] == which` and the edges between them; `inside` gets their numbers.
-Graph subgraph(const Graph& graph, const IdVector<NodeId, Rank>& part, Rank which, std::vector<NodeId>& inside);
+Graph subgraph(const Graph& graph, const IdVector<NodeId, PartId>& part, PartId which, std::vector<NodeId>& inside);
 
 /// Weight of the edges between different parts, those to ghosts included, each row counted (inner edges twice).
-std::int64_t cut_rows(const Graph& graph, const IdVector<NodeId, Rank>& part);
+std::int64_t cut_rows(const Graph& graph, const IdVector<NodeId, PartId>& part);
 
 }  // namespace skein

@@ -5,44 +5,25 @@
 #include <numeric>
 #include <tuple>
 
-#include "partition/add_up.hpp"
+#include "base/add_up.hpp"
+#include "base/union_find.hpp"
 
 namespace skein {
 namespace {
 
-using Parts = IdVector<NodeId, Rank>;
+using Parts = IdVector<NodeId, PartId>;
 
 /// A connected piece of a part; as gathered, what one rank has of it.
 struct Piece {
   std::int64_t label = 0;
   std::int64_t weight = 0;
-  Rank part{-1};
+  PartId part = kNoPart;
 };
 /// How much a piece touches another part.
 struct Contact {
   std::int64_t label = 0;
-  Rank part{-1};
+  PartId part = kNoPart;
   std::int64_t weight = 0;
-};
-
-/// Sets of nodes, joined; the root of a set is its smallest member.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) {
-    for (std::size_t i = 0; i < n; ++i) parent_[to_id<NodeId>(i)] = to_id<NodeId>(i);
-  }
-  NodeId root(NodeId i) noexcept {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(NodeId i, NodeId j) noexcept {
-    i = root(i);
-    j = root(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  IdVector<NodeId, NodeId> parent_;
 };
 
 /// Collective. The same number at all nodes of a piece, another in every other piece. `part` has the ghosts' parts,
@@ -50,7 +31,7 @@ class Sets {
 IdVector<NodeId, std::int64_t> label_pieces(const Comm& comm, const DistGraph& d, const Parts& part) {
   const Graph& g = d.graph;
   const std::size_t n = g.nodes();
-  Sets sets(n);
+  UnionFind<NodeId> sets(n);
   std::vector<std::pair<NodeId, NodeId>> links;  // own node, ghost of the same part
   for (const NodeId v : IdRange<NodeId>(n)) {
     for (const Edge& e : g.edges(v)) {
@@ -178,7 +159,7 @@ std::size_t join_pieces(const Comm& comm, const DistGraph& d, int parts, std::in
   constexpr int kRounds = 4;  // a piece may have gone to another loose piece
   for (int r = 0; r < kRounds; ++r) {
     part.resize(n);
-    for (const Rank p : d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; })) part.push_back(p);
+    for (const PartId p : d.ghosts.fetch(comm, [&](NodeId v) { return part[v]; })) part.push_back(p);
     const auto label = label_pieces(comm, d, part);
     auto loose = loose_pieces(comm, d.graph, part, label, max_piece);
     const Placed placed = loose.empty() ? Placed{} : place_pieces(comm, d, parts, capacity, loose, label, part);

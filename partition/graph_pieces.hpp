@@ -12,6 +12,6 @@ namespace skein {
 /// neighbour has room stays. Returns how many of those there are; a body of its own, without a neighbour, is none.
 /// `part`: one per own node. @pre part in [0, parts).
 std::size_t join_pieces(const Comm& comm, const DistGraph& graph, int parts, std::int64_t capacity,
-                        std::int64_t max_piece, IdVector<NodeId, Rank>& part);
+                        std::int64_t max_piece, IdVector<NodeId, PartId>& part);
 
 }  // namespace skein

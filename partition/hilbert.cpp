@@ -1,11 +1,11 @@
-// Weighted quantiles of distributed keys, and the Hilbert partition by them.
+// Weighted quantiles of distributed keys, for partitions along a curve.
 #include "partition/hilbert.hpp"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
-#include "partition/rendezvous.hpp"
+#include "base/radix_sort.hpp"
 
 namespace skein {
 namespace {
@@ -47,9 +47,9 @@ Box global_box(const Comm& comm, std::span<const Vec3> points) {
   return {{b[0], b[1], b[2]}, {-b[3], -b[4], -b[5]}};
 }
 
-std::vector<Rank> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys, std::span<const double> work,
-                           int parts) {
-  if (parts == 1) return std::vector<Rank>(keys.size(), Rank{0});
+std::vector<PartId> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys, std::span<const double> work,
+                             int parts) {
+  if (parts == 1) return std::vector<PartId>(keys.size(), PartId{0});
   const WorkBelow below(keys, work);
   const double total = comm.sum(below.total());
   const auto cuts = static_cast<std::size_t>(std::max(0, parts - 1));
@@ -70,25 +70,10 @@ std::vector<Rank> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys
     }
   }
   // low[p] is now the key whose work crosses the wanted sum: it is the last one below the cut.
-  std::vector<Rank> part(keys.size());
+  std::vector<PartId> part(keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i)
-    part[i] = to_id<Rank>(std::lower_bound(low.begin(), low.end(), keys[i]) - low.begin());
+    part[i] = to_id<PartId>(std::lower_bound(low.begin(), low.end(), keys[i]) - low.begin());
   return part;
-}
-
-IdVector<TetId, Rank> hilbert_partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work,
-                                        int parts) {
-  const TetMesh& m = dist.mesh;
-  const Box box = global_box(comm, m.coords.raw());
-  std::vector<Vec3> centre(m.tet_slots());
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    Vec3 sum;
-    for (const VertId v : m.tet2vert[t]) sum += m.coords[v];
-    centre[idx(t)] = 0.25 * sum;
-  }
-  std::vector<std::uint64_t> keys(m.tet_slots());
-  hilbert_keys(centre, box, keys);
-  return IdVector<TetId, Rank>(cut_keys(comm, keys, tet_work, parts));
 }
 
 }  // namespace skein

@@ -1,13 +1,12 @@
-// Hilbert partition: parts that are contiguous along the curve and have equal work.
+// Partition along a space-filling curve: parts that are contiguous along it and have equal work.
 #pragma once
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "base/box.hpp"
+#include "base/ids.hpp"
 #include "comm/comm.hpp"
-#include "mesh/hilbert.hpp"
-#include "mesh/ids.hpp"
-#include "partition/dist_mesh.hpp"
 
 namespace skein {
 
@@ -18,11 +17,7 @@ Box global_box(const Comm& comm, std::span<const Vec3> points);
 /// work: weighted quantiles by refining histograms on the keys, 4 bits at a time; no rank sees another's keys. Equal
 /// keys are never separated; parts may be empty. Result: one part in [0, parts) for each key.
 /// @pre keys.size() == work.size(); work >= 0, finite; keys < 2^63.
-std::vector<Rank> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys, std::span<const double> work,
-                           int parts);
-
-/// Collective. The part of each tetrahedron: cut_keys on the Hilbert keys of the centroids.
-IdVector<TetId, Rank> hilbert_partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work,
-                                        int parts);
+std::vector<PartId> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys, std::span<const double> work,
+                             int parts);
 
 }  // namespace skein

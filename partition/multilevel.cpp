@@ -6,18 +6,18 @@
 #include <limits>
 #include <numeric>
 
-#include "mesh/parallel.hpp"
+#include "base/hash.hpp"
+#include "base/parallel.hpp"
 #include "partition/graph.hpp"
 #include "partition/graph_pieces.hpp"
 #include "partition/multilevel_bisect.hpp"
 #include "partition/multilevel_refine.hpp"
 #include "partition/multilevel_turns.hpp"
-#include "partition/rendezvous.hpp"
 
 namespace skein {
 namespace {
 
-using Parts = IdVector<NodeId, Rank>;
+using Parts = IdVector<NodeId, PartId>;
 
 /// Nodes of the graph that is cut by bisection, all ranks together.
 std::size_t coarse_nodes(int parts) { return std::max<std::size_t>(5000, 30 * static_cast<std::size_t>(parts)); }
@@ -180,7 +180,7 @@ Parts cut_coarsest(const Comm& comm, const DistGraph& d, int parts, std::int64_t
   const auto costs = comm.all_gather(mine);
   const auto winner = to_id<Rank>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   // The winner sends each rank its own nodes' parts.
-  Packets<Rank> send;
+  Packets<PartId> send;
   const auto ends = comm.all_gather(static_cast<std::int64_t>(first + d.graph.nodes()));
   if (comm.rank() == winner) {
     std::size_t begin = 0;
@@ -243,12 +243,12 @@ void connect_parts(const Comm& comm, const DistGraph& d, int parts, const Capaci
 
 }  // namespace
 
-IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dist, std::span<const double> work,
-                                           int parts, const MultilevelOptions& options) {
+IdVector<NodeId, PartId> multilevel_partition(const Comm& comm, DistGraph graph, int parts,
+                                              const MultilevelOptions& options) {
   std::vector<Level> levels(1);
-  levels[0].dist = dual_graph(comm, dist, work, options.face_weight, options.threads);
-  const auto n = static_cast<std::int64_t>(dist.mesh.tet_slots());
+  levels[0].dist = std::move(graph);
   const Graph& g = levels[0].dist.graph;
+  const auto n = static_cast<std::int64_t>(g.nodes());
   const std::int64_t total = comm.sum(std::accumulate(g.weight.begin(), g.weight.end(), std::int64_t{0}));
   const std::int64_t heaviest = comm.max(g.nodes() == 0 ? 0 : *std::max_element(g.weight.begin(), g.weight.end()));
   const Capacity capacity = capacities(total, heaviest, parts, options.imbalance);
@@ -273,7 +273,7 @@ IdVector<TetId, Rank> multilevel_partition(const Comm& comm, const DistMesh& dis
     if (levels.size() == kConnectAbove) connect_parts(comm, fine.dist, parts, capacity, options.threads, part);
   }
   connect_parts(comm, levels[0].dist, parts, capacity, options.threads, part);
-  return IdVector<TetId, Rank>(std::move(part.raw()));
+  return part;
 }
 
 }  // namespace skein

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "mesh/parallel.hpp"
+#include "base/hash.hpp"
+#include "base/parallel.hpp"
 #include "partition/multilevel_refine.hpp"
-#include "partition/rendezvous.hpp"
 
 namespace skein {
 namespace {
@@ -30,8 +30,8 @@ struct Cost {
 };
 
 /// Part 0 grows from a node, always by the one with the most contact, to its target; the rest is part 1.
-void grow(const Graph& g, NodeId start, std::int64_t target, IdVector<NodeId, Rank>& part) {
-  part.assign(g.nodes(), Rank{1});
+void grow(const Graph& g, NodeId start, std::int64_t target, IdVector<NodeId, PartId>& part) {
+  part.assign(g.nodes(), PartId{1});
   GainQueue queue(g.nodes());
   IdVector<NodeId, std::int64_t> gain(g.nodes(), 0);
   for (const NodeId v : IdRange<NodeId>(g.nodes())) {
@@ -42,16 +42,16 @@ void grow(const Graph& g, NodeId start, std::int64_t target, IdVector<NodeId, Ra
   std::size_t tried = 0;  // nodes from `start` on, when the piece that it lies in has been taken
   while (weight < target) {
     if (next == kNoNode) {
-      while (tried < g.nodes() && part[to_id<NodeId>((idx(start) + tried) % g.nodes())] == Rank{0}) ++tried;
+      while (tried < g.nodes() && part[to_id<NodeId>((idx(start) + tried) % g.nodes())] == PartId{0}) ++tried;
       if (tried == g.nodes()) break;
       next = to_id<NodeId>((idx(start) + tried) % g.nodes());
     }
     // The last one only if that is nearer to the target.
     if (weight + g.weight[next] / 2 > target && weight > 0) break;
-    part[next] = Rank{0};
+    part[next] = PartId{0};
     weight += g.weight[next];
     for (const Edge& e : g.edges(next)) {
-      if (part[e.to] == Rank{0}) continue;
+      if (part[e.to] == PartId{0}) continue;
       if (queue.has(e.to)) queue.remove(e.to);
       gain[e.to] += 2 * e.weight;
       queue.push(e.to, gain[e.to]);
@@ -60,7 +60,7 @@ void grow(const Graph& g, NodeId start, std::int64_t target, IdVector<NodeId, Ra
   }
 }
 
-Cost refine(const Graph& g, const Halves& h, IdVector<NodeId, Rank>& part) {
+Cost refine(const Graph& g, const Halves& h, IdVector<NodeId, PartId>& part) {
   std::vector<std::int64_t> weight(2, 0);
   for (const NodeId v : IdRange<NodeId>(g.nodes())) weight[idx(part[v])] += g.weight[v];
   Refiner refiner(g, part, weight, h.capacity);
@@ -74,9 +74,9 @@ Cost refine(const Graph& g, const Halves& h, IdVector<NodeId, Rank>& part) {
   return c;
 }
 
-IdVector<NodeId, Rank> bisect(const Graph& g, const Halves& h, std::uint64_t seed) {
+IdVector<NodeId, PartId> bisect(const Graph& g, const Halves& h, std::uint64_t seed) {
   const std::size_t n = g.nodes();
-  IdVector<NodeId, Rank> part(n);
+  IdVector<NodeId, PartId> part(n);
   if (n > kSmallest) {
     const auto limit = 3 * (total_weight(g) / static_cast<std::int64_t>(2 * kSmallest)) + 1;
     const Matching m = match_heavy_edges(g, limit, mix(seed ^ n) | 1);
@@ -88,7 +88,7 @@ IdVector<NodeId, Rank> bisect(const Graph& g, const Halves& h, std::uint64_t see
     }
   }
   Cost best;
-  IdVector<NodeId, Rank> trial;
+  IdVector<NodeId, PartId> trial;
   for (int s = 0; s < kStarts; ++s) {
     const NodeId start = to_id<NodeId>(mix(seed + static_cast<std::uint64_t>(s)) % n);
     grow(g, start, h.target[0], trial);
@@ -109,7 +109,7 @@ class Recursion {
   void split(const Graph& g, const std::vector<NodeId>& nodes, int first, int parts, int threads) {
     if (parts == 1 || g.nodes() <= static_cast<std::size_t>(parts)) {
       for (std::size_t i = 0; i < nodes.size(); ++i)
-        out_[nodes[i]] = Rank{first + (parts == 1 ? 0 : static_cast<int>(i))};
+        out_[nodes[i]] = PartId{first + (parts == 1 ? 0 : static_cast<int>(i))};
       return;
     }
     const std::array<int, 2> share{parts / 2, parts - parts / 2};
@@ -117,7 +117,7 @@ class Recursion {
                              mix(seed_ ^ static_cast<std::uint64_t>(first) << 32) ^ static_cast<std::uint64_t>(parts));
     const auto go_on = [&](int s) {
       std::vector<NodeId> inside;
-      const Graph sub = subgraph(g, half, Rank{s}, inside);
+      const Graph sub = subgraph(g, half, PartId{s}, inside);
       for (NodeId& v : inside) v = nodes[idx(v)];
       split(sub, inside, s == 0 ? first : first + share[0], share[static_cast<std::size_t>(s)], (threads + 1 - s) / 2);
     };
@@ -126,7 +126,7 @@ class Recursion {
       for (int s = w; s < 2; s += at_once) go_on(s);
     });
   }
-  IdVector<NodeId, Rank> take() { return std::move(out_); }
+  IdVector<NodeId, PartId> take() { return std::move(out_); }
 
  private:
   /// What the parts may be heavier than their mean is shared out evenly over the bisections still to come.
@@ -146,13 +146,13 @@ class Recursion {
 
   std::int64_t capacity_;
   std::uint64_t seed_;
-  IdVector<NodeId, Rank> out_;
+  IdVector<NodeId, PartId> out_;
 };
 
 }  // namespace
 
-IdVector<NodeId, Rank> bisect_recursively(const Graph& graph, int parts, std::int64_t capacity, std::uint64_t seed,
-                                          int threads) {
+IdVector<NodeId, PartId> bisect_recursively(const Graph& graph, int parts, std::int64_t capacity, std::uint64_t seed,
+                                            int threads) {
   std::vector<NodeId> all(graph.nodes());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = to_id<NodeId>(i);
   Recursion r(capacity, seed, graph.nodes());

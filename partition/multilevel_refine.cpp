@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "mesh/parallel.hpp"
+#include "base/parallel.hpp"
 
 namespace skein {
 
@@ -61,7 +61,7 @@ GainQueue::Item GainQueue::pop() noexcept {
   return {v, top_ - kReach};
 }
 
-Refiner::Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<std::int64_t>& weight,
+Refiner::Refiner(const Graph& graph, IdVector<NodeId, PartId>& part, std::vector<std::int64_t>& weight,
                  std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed, int threads)
     : g_(graph),
       part_(part),
@@ -79,10 +79,10 @@ Refiner::Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<s
 
 Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
   const std::span<const Edge> edges = g_.edges(v);
-  const Rank own = part_[v];
+  const PartId own = part_[v];
   std::size_t touched = 0;
   for (const Edge& e : edges) {
-    const Rank p = part_[e.to];
+    const PartId p = part_[e.to];
     std::int32_t& c = contact_[idx(p)];
     touched_[touched] = p;
     touched += c == 0 ? 1 : 0;
@@ -93,13 +93,13 @@ Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
   contact_[idx(own)] = 0;
   Target best;
   for (std::size_t i = 0; i < touched; ++i) {
-    const Rank p = touched_[i];
+    const PartId p = touched_[i];
     const std::int32_t gain = contact_[idx(p)] - inner;
     contact_[idx(p)] = 0;
-    if (p == own || (best.part != Rank{-1} && gain < best.gain)) continue;
+    if (p == own || (best.part != kNoPart && gain < best.gain)) continue;
     const std::int64_t after = weight_[idx(p)] + w;
     if (after > capacity_[idx(p)] && !(any && after < weight_[idx(own)])) continue;
-    if (best.part == Rank{-1} || gain > best.gain || weight_[idx(p)] < weight_[idx(best.part)]) best = {p, gain};
+    if (best.part == kNoPart || gain > best.gain || weight_[idx(p)] < weight_[idx(best.part)]) best = {p, gain};
   }
   return best;
 }
@@ -132,7 +132,7 @@ void Refiner::find_boundary() {
   for (const auto& found : boundary_of_) boundary_.insert(boundary_.end(), found.begin(), found.end());
 }
 
-void Refiner::move(NodeId v, Rank to) noexcept {
+void Refiner::move(NodeId v, PartId to) noexcept {
   weight_[idx(part_[v])] -= g_.weight[v];
   weight_[idx(to)] += g_.weight[v];
   part_[v] = to;
@@ -140,7 +140,7 @@ void Refiner::move(NodeId v, Rank to) noexcept {
 
 bool Refiner::enqueue(NodeId v, bool any) {
   const Target t = target_[v] = best_target(v, any);
-  if (t.part == Rank{-1}) return false;
+  if (t.part == kNoPart) return false;
   queue_.push(v, t.gain);
   return true;
 }
@@ -193,7 +193,7 @@ std::int64_t Refiner::search(std::size_t patience) {
     Target t = target_[v];
     if (weight_[idx(t.part)] + g_.weight[v] > capacity_[idx(t.part)]) {  // it has filled up
       t = target_[v] = best_target(v);
-      if (t.part == Rank{-1}) continue;
+      if (t.part == kNoPart) continue;
       if (GainQueue::clamp(t.gain) < expected) {
         queue_.push(v, t.gain);
         continue;
@@ -249,10 +249,10 @@ bool Refiner::shed(bool any) {
   for (;;) {
     const auto [v, expected] = queue_.pop();
     if (v == kNoNode) break;
-    const Rank from = part_[v];
+    const PartId from = part_[v];
     if (weight_[idx(from)] <= capacity_[idx(from)]) continue;
     const Target t = best_target(v, any);
-    if (t.part == Rank{-1}) continue;
+    if (t.part == kNoPart) continue;
     if (GainQueue::clamp(t.gain) < expected) {
       queue_.push(v, t.gain);
       continue;

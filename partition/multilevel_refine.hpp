@@ -43,7 +43,7 @@ class Refiner {
   /// `part`: one per own node and ghost; changed in place. `weight`: of each part. `capacity`: a part may get heavier
   /// only up to it. `fixed`: null, or nonzero for nodes that stay. References must outlive this object. The boundary is
   /// looked for by `threads`, which makes no difference to the result.
-  Refiner(const Graph& graph, IdVector<NodeId, Rank>& part, std::vector<std::int64_t>& weight,
+  Refiner(const Graph& graph, IdVector<NodeId, PartId>& part, std::vector<std::int64_t>& weight,
           std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed = nullptr, int threads = 1);
 
   /// Takes nodes from parts beyond their capacity to neighbours that have room, cheapest first.
@@ -57,37 +57,37 @@ class Refiner {
 
  private:
   struct Target {
-    Rank part{-1};
+    PartId part = kNoPart;
     std::int32_t gain = 0;
   };
   /// Bits of state_.
   enum : std::uint8_t { kLocked = 1, kFixed = 2, kMaybeBoundary = 4 };
 
-  /// The part to which v would best go; without room, only to lighter ones if `any`. Rank{-1}: nowhere.
+  /// The part to which v would best go; without room, only to lighter ones if `any`. kNoPart: nowhere.
   Target best_target(NodeId v, bool any = false) noexcept;
   [[nodiscard]] bool on_boundary(NodeId v) const noexcept;
   /// The nodes that a pass may start from, in their order; unlocks all nodes.
   void find_boundary();
-  void move(NodeId v, Rank to) noexcept;
+  void move(NodeId v, PartId to) noexcept;
   bool enqueue(NodeId v, bool any = false);
   void update_neighbours(NodeId v);
   std::int64_t search(std::size_t patience);
   bool shed(bool any);
 
   const Graph& g_;
-  IdVector<NodeId, Rank>& part_;
+  IdVector<NodeId, PartId>& part_;
   std::vector<std::int64_t>& weight_;
   std::span<const std::int64_t> capacity_;
   GainQueue queue_;
   std::vector<std::int32_t> contact_;  ///< by part; zero but inside best_target
-  std::vector<Rank> touched_;
+  std::vector<PartId> touched_;
   IdVector<NodeId, Target> target_;  ///< of the nodes in the queue
   IdVector<NodeId, std::uint8_t> state_;
   std::vector<NodeId> boundary_;
   std::vector<std::vector<NodeId>> boundary_of_;  ///< the same, by thread
   struct Move {
     NodeId node;
-    Rank from;
+    PartId from;
   };
   std::vector<Move> moves_;
 };

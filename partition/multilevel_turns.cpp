@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "partition/rendezvous.hpp"
+#include "base/hash.hpp"
 
 namespace skein {
 
@@ -19,7 +19,7 @@ void refine_all(Refiner& r, std::size_t nodes) {
 
 namespace {
 
-using Parts = IdVector<NodeId, Rank>;
+using Parts = IdVector<NodeId, PartId>;
 
 /// Which own nodes stay in this turn: those that touch a rank with the higher priority. So two nodes that touch
 /// across ranks never move at the same time, and each gain is what it seems.
@@ -52,7 +52,7 @@ Shares share_room(const Comm& comm, const DistGraph& d, const Parts& part, int p
   s.weight.assign(static_cast<std::size_t>(parts), 0);
   std::vector<std::int64_t> here(s.weight.size(), 0);
   for (const NodeId v : IdRange<NodeId>(g.nodes())) s.weight[idx(part[v])] += g.weight[v];
-  for (const Rank p : part) here[idx(p)] = 1;
+  for (const PartId p : part) here[idx(p)] = 1;
   comm.reduce(std::span<std::int64_t>(s.weight), Op::kSum);
   comm.reduce(std::span<std::int64_t>(here), Op::kSum);
   s.capacity.resize(s.weight.size());

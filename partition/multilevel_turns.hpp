@@ -21,6 +21,6 @@ enum class Refine { kBalanceOnly, kAll };
 /// for the boundary; the result does not depend on them.
 /// @pre part in [0, parts).
 void refine_level(const Comm& comm, const DistGraph& graph, int parts, std::int64_t capacity,
-                  IdVector<NodeId, Rank>& part, Refine what = Refine::kAll, int threads = 1, NodeId stays = kNoNode);
+                  IdVector<NodeId, PartId>& part, Refine what = Refine::kAll, int threads = 1, NodeId stays = kNoNode);
 
 }  // namespace skein

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "comm/comm.hpp"
+#include "dist/distribute.hpp"
+#include "dist/dual_graph.hpp"
+#include "dist/migrate.hpp"
+#include "dist/partition.hpp"
+#include "dist/rebalance.hpp"
 #include "io/mesh_io.hpp"
-#include "partition/distribute.hpp"
 #include "partition/graph.hpp"
 #include "partition/hilbert.hpp"
-#include "partition/migrate.hpp"
-#include "partition/partition.hpp"
-#include "partition/rebalance.hpp"
 
 namespace {
 
@@ -45,12 +46,14 @@ void balance_ranks(const Comm& comm, DistMesh& dist, double factor) {
     const Vec3 x = m.coords[m.tet2vert[t][0]];
     if (x.x < middle.x && x.y < middle.y) work[idx(t)] = factor;
   }
-  const IdVector<TetId, Rank> stay(m.tet_slots(), comm.rank());
+  const IdVector<TetId, PartId> stay(m.tet_slots(), part_of(comm.rank()));
   const PartitionStats before = partition_stats(comm, dist, stay, work, comm.size());
   const double cpu = cpu_time();
   const auto dest = rebalance(comm, dist, work);
   const double cpu_used = comm.sum(cpu_time() - cpu);
-  const PartitionStats after = partition_stats(comm, dist, dest, work, comm.size());
+  IdVector<TetId, PartId> part(dest.size());
+  for (const TetId t : IdRange<TetId>(dest.size())) part[t] = part_of(dest[t]);
+  const PartitionStats after = partition_stats(comm, dist, part, work, comm.size());
   double mine = 0, moved = 0;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     mine += work[idx(t)];

@@ -12,16 +12,15 @@
 #include "adapt/blocks.hpp"
 #include "adapt/grow.hpp"
 #include "adapt/local.hpp"
+#include "base/parallel.hpp"
+#include "dist/interface.hpp"
+#include "dist/migrate.hpp"
+#include "dist/partition.hpp"
+#include "dist/rebalance.hpp"
+#include "dist/reconcile.hpp"
+#include "dist/sharing.hpp"
 #include "kernel/interface.hpp"
 #include "mesh/adjacency.hpp"
-#include "mesh/parallel.hpp"
-#include "partition/interface.hpp"
-#include "partition/migrate.hpp"
-#include "partition/multilevel.hpp"
-#include "partition/partition.hpp"
-#include "partition/rebalance.hpp"
-#include "partition/reconcile.hpp"
-#include "partition/sharing.hpp"
 #include "solution/transfer.hpp"
 
 namespace skein {
@@ -123,7 +122,7 @@ LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
 /// The local part of a later round: the kernel on what is active, and nothing that costs as much as the whole mesh.
 /// Not collective.
 OperationCounts adapt_band(DistMesh& dist, LocalOptions options) {
-  options.kernel.only_held = true;
+  options.kernel.only_retry = true;
   Band band = cut_band(dist, kMargin, options.threads);
   const LocalResult r = adapt_local(band.mesh, band.metric, options);
   put_back(dist, band, r.old2new, options.threads);
@@ -154,7 +153,7 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, bool grown, const Lo
     cost = face_costs(dist.mesh, metric_from_data(dist), local.threads);
     if (grown) make_old_interfaces_heavy(dist, cost);
   });
-  MultilevelOptions options;
+  MeshCutOptions options;
   options.face_weight = cost;
   options.imbalance = kWorkImbalance;
   options.threads = local.threads;
@@ -169,12 +168,13 @@ void even_out(const Comm& comm, DistMesh& dist, int parts) {
   if (most * comm.size() <= (1 + kGoodEnough) * static_cast<double>(dist.global_tets)) return;
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
   migrate(comm, dist,
-          parts < comm.size() ? partition(comm, dist, work, comm.size()) : rebalance(comm, dist, work, kImbalance));
+          parts < comm.size() ? to_ranks(partition(comm, dist, work, comm.size()))
+                              : rebalance(comm, dist, work, kImbalance));
 }
 
 /// Collective. Moves the interfaces for the next round. Vertices of the first interface have numbers below
 /// `never_free` for as long as they have been on one in every round; everywhere else the mesh has been worked on with
-/// nothing frozen, and only what this has left in a bad state beside frozen vertices (kHeld) is looked at again. Tells
+/// nothing frozen, and only what this has left in a bad state beside frozen vertices (kRetry) is looked at again. Tells
 /// whether any are left; otherwise there is nothing to do.
 bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never_free) {
   const auto moves = [&]() -> std::optional<Moves> {
@@ -275,15 +275,15 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   LocalOptions first = local;
   first.kernel.relax = directed;
   if (grown) first.kernel.least_turns = kTurnsAfterGrowth;
-  bool hard = false;
+  bool turning = false;
   const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] {
     const LocalResult r = adapt_rank(dist, first);
-    hard = r.hard;
+    turning = r.turning;
     return r.counts;
   });
   // Of the whole mesh: what most of it looks like.
   const auto tets = static_cast<std::int64_t>(dist.mesh.tet_slots());
-  local.kernel.hard = 2 * comm.sum(hard ? tets : 0) > comm.sum(tets);
+  local.kernel.turning = 2 * comm.sum(turning ? tets : 0) > comm.sum(tets);
   bool more = parts > 1;
   const int rounds = options.rounds > 1 ? options.rounds + kMendingRounds : 1;
   for (int round = 1; more && round < rounds; ++round) {
@@ -297,7 +297,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   even_out(comm, dist, parts);
   finish();
   log.start("reconcile");
-  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~(kActive | kHindered | kHeld));
+  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~(kActive | kBesideFrozen | kRetry));
   reconcile(comm, dist, options.threads);
   finish();
 }

@@ -1,9 +1,9 @@
 // The rounds: adapt every part with its interface frozen, then move the interfaces.
 #pragma once
 #include "comm/comm.hpp"
+#include "comm/phase_log.hpp"
+#include "dist/dist_mesh.hpp"
 #include "metric/spacing.hpp"
-#include "partition/dist_mesh.hpp"
-#include "report/phase_log.hpp"
 
 namespace skein {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "mesh/holes.hpp"
-#include "mesh/parallel.hpp"
-#include "mesh/subset.hpp"
-#include "partition/feature_scan.hpp"
+#include "base/parallel.hpp"
+#include "base/subset.hpp"
+#include "dist/feature_scan.hpp"
+#include "mesh/free_slots.hpp"
 
 namespace skein {
 namespace {
@@ -146,9 +146,9 @@ class Return {
 
   void keep_vertex(VertId v, VertId in_band) {
     vert_[in_band] = v;
-    const unsigned now = b_.vert_flags[in_band] & (kHindered | kHeld);
+    const unsigned now = b_.vert_flags[in_band] & (kBesideFrozen | kRetry);
     // What the band has only in part may be poor for the sake of the rest.
-    const unsigned keep = b_.has(in_band, kActive) ? ~(kHindered | kHeld) : ~static_cast<unsigned>(kHeld);
+    const unsigned keep = b_.has(in_band, kActive) ? ~(kBesideFrozen | kRetry) : ~static_cast<unsigned>(kRetry);
     m_.vert_flags[v] = static_cast<std::uint8_t>((m_.vert_flags[v] & keep) | now);
   }
 

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
+#include "dist/dist_mesh.hpp"
 #include "kernel/part.hpp"
 #include "mesh/surroundings.hpp"
-#include "partition/dist_mesh.hpp"
 
 namespace skein {
 

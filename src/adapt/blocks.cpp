@@ -5,10 +5,9 @@
 #include <array>
 #include <utility>
 
+#include "base/parallel.hpp"
+#include "dist/partition.hpp"
 #include "kernel/interface.hpp"
-#include "mesh/parallel.hpp"
-#include "partition/multilevel.hpp"
-#include "partition/partition.hpp"
 
 namespace skein {
 namespace {
@@ -84,7 +83,7 @@ BlockLabels cut_blocks(TetMesh& m, const MetricField& metric, int blocks) {
     for (const VertId v : alone.mesh.tet2vert[t]) flags |= alone.mesh.vert_flags[v];
     if ((flags & kActive) == 0) work[idx(t)] = kIdle;
   }
-  MultilevelOptions options;
+  MeshCutOptions options;
   options.face_weight = cost;
   options.imbalance = kImbalance;
   options.threads = blocks;
@@ -122,7 +121,7 @@ void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector
       const VertId w = p.mesh.coords.push_back(m.coords[v]);
       to_block[v] = w;
       p.mesh.vert_ref.push_back(m.vert_ref[v]);
-      auto flags = static_cast<std::uint8_t>(m.vert_flags[v] & ~kHindered);
+      auto flags = static_cast<std::uint8_t>(m.vert_flags[v] & ~kBesideFrozen);
       if ((flags & kFrozen) != 0) {
         out.frozen.push_back(w);
         out.frozen_of.push_back(v);
@@ -200,7 +199,7 @@ void follow(Block& block, const IdVector<VertId, VertId>& old2new) {
 bool refine_block_interface(Block& block, double times) {
   const std::size_t before = block.part.mesh.vert_slots();
   const auto free = std::exchange(block.part.free_verts, {});  // what is new shall be at the end
-  constexpr std::uint8_t kWasFrozen = kHindered;               // which is the kernel's, and not in use yet
+  constexpr std::uint8_t kWasFrozen = kBesideFrozen;           // which is the kernel's, and not in use yet
   const int keep = kWasFrozen | (block.part.options.surface ? 0 : kSurface);
   auto& flags = block.part.mesh.vert_flags;
   for (const VertId v : block.frozen) flags[v] |= kWasFrozen;

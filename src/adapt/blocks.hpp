@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kernel/part.hpp"
-#include "mesh/holes.hpp"
+#include "mesh/free_slots.hpp"
 
 namespace skein {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesh/adjacency.hpp"
-#include "mesh/holes.hpp"
+#include "mesh/free_slots.hpp"
 
 namespace skein {
 namespace {

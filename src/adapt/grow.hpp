@@ -3,7 +3,7 @@
 #include <span>
 
 #include "comm/comm.hpp"
-#include "partition/dist_mesh.hpp"
+#include "dist/dist_mesh.hpp"
 
 namespace skein {
 

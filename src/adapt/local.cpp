@@ -6,10 +6,10 @@
 #include "adapt/band.hpp"
 #include "adapt/blocks.hpp"
 #include "adapt/gaps.hpp"
+#include "base/assert.hpp"
+#include "base/parallel.hpp"
 #include "kernel/passes.hpp"
-#include "mesh/assert.hpp"
 #include "mesh/check.hpp"
-#include "mesh/parallel.hpp"
 
 namespace skein {
 namespace {
@@ -43,7 +43,7 @@ void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalR
   set_up(part, o);
   const auto adapted = run(part);
   result.counts += part.counts;
-  result.hard = part.hard;
+  result.turning = part.turning;
   mesh = std::move(part.mesh);
   metric = std::move(part.metric);
   const auto now = close_gaps(mesh, metric);
@@ -97,11 +97,11 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
                                LocalResult& result) {
   const auto between = between_blocks(mesh, label);
   // A band grows by little, and all is put behind the first block in the end.
-  const auto points = o.kernel.only_held ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh, metric));
+  const auto points = o.kernel.only_retry ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh, metric));
   // Points are created in two steps, and the interface is refined for each of them; to what is frozen, which is as it
   // is, in one, so that splits come as near to it as they may.
   const bool in_steps =
-      !o.kernel.only_held && o.kernel.surface &&
+      !o.kernel.only_retry && o.kernel.surface &&
       std::all_of(result.old2new.begin(), result.old2new.end(), [](VertId v) { return v == kNoVert; });
   const auto share = points / static_cast<std::size_t>(o.threads);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
@@ -134,7 +134,7 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   });
   for (const Block& b : blocks) {
     result.counts += b.part.counts;
-    result.hard = result.hard || b.part.hard;
+    result.turning = result.turning || b.part.turning;
   }
   Merged merged = merge_blocks(blocks, old_verts);
   for (auto& v : result.old2new) {
@@ -173,26 +173,26 @@ bool is_good(const TetMesh& m, const MetricField& metric, TetId t) noexcept {
   return quality_cubed(x(0), x(1), x(2), x(3), g(0), g(1), g(2), g(3)) >= cube(kGoodQuality);
 }
 
-/// Works on what the interfaces between blocks have held back: the band round them is cut out, adapted and put back.
+/// Works on what the interfaces between blocks have retry back: the band round them is cut out, adapted and put back.
 void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& between, const LocalOptions& o,
                  LocalResult& result) {
   std::vector<VertId> frozen;
   for (const VertId v : result.old2new) {
     if (v != kNoVert) frozen.push_back(v);
   }
-  for (const VertId v : between) mesh.vert_flags[v] |= kHeld;
-  std::vector<VertId> held;
+  for (const VertId v : between) mesh.vert_flags[v] |= kRetry;
+  std::vector<VertId> retry;
   for (const VertId v : IdRange<VertId>(mesh.vert_slots())) {
-    if (mesh.has(v, kHeld)) held.push_back(v);
+    if (mesh.has(v, kRetry)) retry.push_back(v);
   }
   LocalVertices data(metric, frozen);
-  Surroundings near(mesh, std::move(held));
+  Surroundings near(mesh, std::move(retry));
   // One vertex further, but where everything is well already.
   near.add_tets();
   near.add_vertices([&](TetId t) { return !is_good(mesh, metric, t); });
   Band band = cut_band(mesh, data, std::move(near), o.threads);
   LocalOptions of_band = o;
-  of_band.kernel.only_held = true;
+  of_band.kernel.only_retry = true;
   if (2 * band.mesh.tet_slots() > mesh.tet_slots()) of_band.threads = 1;
   const LocalResult r = adapt_local(band.mesh, band.metric, of_band);
   result.counts += r.counts;
@@ -209,7 +209,7 @@ LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& 
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
-  const bool band = o.kernel.only_held;  // nearly as it shall be, so its cut needs no refinement
+  const bool band = o.kernel.only_retry;  // nearly as it shall be, so its cut needs no refinement
   if (o.threads <= 1 || mesh.tet_slots() < (band ? o.smallest_band : kSmallest) * static_cast<std::size_t>(o.threads) ||
       (!band && mostly_interface(mesh, metric))) {
     run_alone(mesh, metric, o, result);

@@ -16,7 +16,7 @@ struct LocalResult {
   OperationCounts counts;
   /// For vertices that were frozen on entry: their new numbers. kNoVert for others.
   IdVector<VertId, VertId> old2new;
-  bool hard = false;  ///< KernelOptions::hard for bands of the result
+  bool turning = false;  ///< KernelOptions::turning for bands of the result
 };
 
 /// Adapts the mesh where vertices are kActive, leaving kFrozen ones as they are, with `threads` threads: the mesh is

@@ -5,9 +5,9 @@
 
 #include "adapt/blocks.hpp"
 #include "adapt/gaps.hpp"
-#include "mesh/holes.hpp"
-#include "mesh/parallel.hpp"
-#include "mesh/subset.hpp"
+#include "base/parallel.hpp"
+#include "base/subset.hpp"
+#include "mesh/free_slots.hpp"
 
 namespace skein {
 
@@ -31,7 +31,7 @@ void seal_block(Block& block, const IdVector<VertId, VertId>& old2new) {
     p.free_verts.clear();
   }
   block.tets = Moved<TetId>(p.mesh.tet_slots() - p.free_tets.size(), p.free_tets.size());
-  fill_holes(p.free_tets, p.mesh.tet_slots(), [&](TetId from, TetId to) { block.tets.set(from, to); });
+  fill_free_slots(p.free_tets, p.mesh.tet_slots(), [&](TetId from, TetId to) { block.tets.set(from, to); });
   const auto now = [&](VertId v) { return few ? old2new[v] : up[old2new[v]]; };
   block.common_id.clear();
   for (VertId& v : block.common) {

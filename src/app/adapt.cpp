@@ -14,9 +14,9 @@
 #include "app/metric_input.hpp"
 #include "app/run_report.hpp"
 #include "app/verbs.hpp"
+#include "base/text.hpp"
+#include "dist/distribute.hpp"
 #include "io/mesh_io.hpp"
-#include "partition/distribute.hpp"
-#include "report/text.hpp"
 
 namespace skein::app {
 namespace {

@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "app/files.hpp"
+#include "base/text.hpp"
+#include "dist/migrate.hpp"
+#include "dist/partition.hpp"
 #include "io/mesh_io.hpp"
-#include "partition/migrate.hpp"
-#include "partition/partition.hpp"
-#include "report/text.hpp"
 
 namespace skein::app {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "app/run_report.hpp"
 #include "comm/comm.hpp"
-#include "io/mesh_slice.hpp"
-#include "partition/dist_mesh.hpp"
+#include "dist/dist_mesh.hpp"
+#include "mesh/mesh_slice.hpp"
 #include "solution/transfer.hpp"
 
 namespace skein::app {

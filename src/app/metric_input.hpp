@@ -4,8 +4,8 @@
 #include <string>
 
 #include "comm/comm.hpp"
-#include "io/mesh_slice.hpp"
-#include "partition/dist_mesh.hpp"
+#include "dist/dist_mesh.hpp"
+#include "mesh/mesh_slice.hpp"
 #include "solution/gradation.hpp"
 
 namespace skein::app {

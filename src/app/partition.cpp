@@ -1,5 +1,5 @@
 // skein partition: cut a mesh into parts, tell how good the cut is.
-#include "partition/partition.hpp"
+#include "dist/partition.hpp"
 
 #include <fmt/core.h>
 
@@ -7,11 +7,11 @@
 
 #include "app/files.hpp"
 #include "app/verbs.hpp"
+#include "base/text.hpp"
+#include "dist/distribute.hpp"
+#include "dist/gather_slices.hpp"
 #include "io/mesh_io.hpp"
-#include "partition/distribute.hpp"
-#include "partition/gather_slices.hpp"
 #include "report/json.hpp"
-#include "report/text.hpp"
 
 namespace skein::app {
 namespace {
@@ -32,7 +32,7 @@ ExitCode run_partition(const Comm& comm, const Options& o) {
   const double begin = wall_time();
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
   const auto method = o.method == "hilbert" ? PartitionMethod::kHilbert : PartitionMethod::kMultilevel;
-  const IdVector<TetId, Rank> part = partition(comm, dist, work, o.parts, method, o.threads);
+  const IdVector<TetId, PartId> part = partition(comm, dist, work, o.parts, method, o.threads);
   const double seconds = comm.max(wall_time() - begin);
   const PartitionStats s = partition_stats(comm, dist, part, work, o.parts);
 

@@ -10,12 +10,12 @@
 
 #include "app/files.hpp"
 #include "app/large_blocks.hpp"
+#include "base/text.hpp"
+#include "dist/gather_slices.hpp"
 #include "io/mesh_io.hpp"
 #include "metric/tensor.hpp"
-#include "partition/gather_slices.hpp"
 #include "report/statistics.hpp"
 #include "report/statistics_json.hpp"
-#include "report/text.hpp"
 
 namespace skein::app {
 namespace {

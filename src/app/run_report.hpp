@@ -4,10 +4,10 @@
 #include <string>
 
 #include "comm/comm.hpp"
-#include "io/mesh_slice.hpp"
-#include "partition/dist_mesh.hpp"
+#include "comm/phase_log.hpp"
+#include "dist/dist_mesh.hpp"
+#include "mesh/mesh_slice.hpp"
 #include "report/json.hpp"
-#include "report/phase_log.hpp"
 
 namespace skein::app {
 

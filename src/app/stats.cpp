@@ -6,8 +6,8 @@
 #include "app/files.hpp"
 #include "app/metric_input.hpp"
 #include "app/verbs.hpp"
+#include "dist/distribute.hpp"
 #include "io/mesh_io.hpp"
-#include "partition/distribute.hpp"
 #include "report/statistics.hpp"
 #include "report/statistics_json.hpp"
 

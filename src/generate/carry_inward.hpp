@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 
 namespace skein {
 

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "dist/distribute.hpp"
 #include "generate/carry_inward.hpp"
 #include "generate/seeds.hpp"
 #include "generate/slices.hpp"
 #include "generate/surface_check.hpp"
 #include "generate/tetgen_volume.hpp"
-#include "partition/distribute.hpp"
 
 namespace skein {
 namespace {
@@ -41,7 +41,7 @@ struct Whole {
 std::string describe(const ClosedSurface& s) {
   std::string text = fmt::format("surface: {} triangles, {} vertices, {} shell{}, {} void{}, volume {:.6g}",
                                  s.mesh.triangles.total, s.mesh.total_verts, s.shells, s.shells == 1 ? "" : "s",
-                                 s.holes.size(), s.holes.size() == 1 ? "" : "s", s.volume);
+                                 s.voids.size(), s.voids.size() == 1 ? "" : "s", s.volume);
   if (s.merged_verts > 0) text += fmt::format("; {} duplicate vertices merged", s.merged_verts);
   if (s.unused_verts > 0) text += fmt::format("; {} unused vertices dropped", s.unused_verts);
   return text;

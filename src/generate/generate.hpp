@@ -2,10 +2,10 @@
 #pragma once
 #include "adapt/adapt.hpp"
 #include "comm/comm.hpp"
-#include "io/mesh_slice.hpp"
+#include "comm/phase_log.hpp"
+#include "dist/dist_mesh.hpp"
+#include "mesh/mesh_slice.hpp"
 #include "metric/spacing.hpp"
-#include "partition/dist_mesh.hpp"
-#include "report/phase_log.hpp"
 
 namespace skein {
 

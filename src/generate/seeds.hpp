@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 #include "metric/spacing.hpp"
 
 namespace skein {

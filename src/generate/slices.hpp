@@ -1,7 +1,7 @@
 // From even slices to one rank and back: the surface goes to rank 0 for TetGen, the volume mesh comes back.
 #pragma once
 #include "comm/comm.hpp"
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 
 namespace skein {
 

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "generate/shells.hpp"
-#include "mesh/error.hpp"
+#include "base/error.hpp"
+#include "generate/components.hpp"
 
 namespace skein {
 namespace {
@@ -247,7 +247,7 @@ void orient(ClosedSurface& surface, const std::vector<Side>& sides) {
     for (Triangle& t : triangles) std::swap(t[1], t[2]);
   }
   find_depths(mesh.coords, shells);
-  surface.holes = find_holes(mesh.coords, shells);
+  surface.voids = find_voids(mesh.coords, shells);
   surface.shells = static_cast<int>(shells.number.size());
   for (std::size_t i = 0; i < shells.number.size(); ++i) {
     const bool is_void = shells.depth[i] % 2 == 1;

@@ -2,14 +2,14 @@
 #pragma once
 #include <vector>
 
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 
 namespace skein {
 
 /// A closed surface, whole (on one rank). Its triangles are oriented: counter-clockwise seen from outside the domain.
 struct ClosedSurface {
   MeshSlice mesh;                     ///< whole, without tetrahedra; every vertex is used by a triangle
-  std::vector<Vec3> holes;            ///< one point inside each void (hole) of the domain
+  std::vector<Vec3> voids;            ///< one point inside each void (hole) of the domain
   int shells = 0;                     ///< closed pieces of the surface
   double volume = 0;                  ///< enclosed, length^3
   std::int64_t merged_verts = 0;      ///< vertices dropped because they had the coordinates of another

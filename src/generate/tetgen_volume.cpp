@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "mesh/error.hpp"
+#include "base/error.hpp"
 #include "mesh/predicates.hpp"
 
 #ifdef SKEIN_WITH_TETGEN
@@ -196,7 +196,7 @@ Volume fill_volume(const ClosedSurface& surface, const std::vector<Vec3>& seeds)
     throw Error(ExitCode::kInvalidMesh, "the surface is too large for TetGen's 32-bit numbers");
   }
   tetgenio in, out;
-  set_input(mesh, seeds, surface.holes, in);
+  set_input(mesh, seeds, surface.voids, in);
   tetgenbehavior b = behaviour();
   try {
     tetrahedralize(&b, &in, &out);

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "comm/comm.hpp"
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 
 namespace skein::io {
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "mesh/error.hpp"
+#include "base/error.hpp"
 
 namespace skein::io {
 namespace {

@@ -60,15 +60,15 @@ double Cavity::old_min_q3() const noexcept {
   return q;
 }
 
-double Cavity::old_burden() const noexcept {
+double Cavity::old_sum() const noexcept {
   double sum = 0;
-  for (const TetId t : old_) sum += burden(static_cast<double>(part_->q3[t]));
+  for (const TetId t : old_) sum += inverse_sixth_power(static_cast<double>(part_->q3[t]));
   return sum;
 }
 
-double Cavity::new_burden() const noexcept {
+double Cavity::new_sum() const noexcept {
   double sum = 0;
-  for (const Fresh& f : fresh_) sum += burden(static_cast<double>(f.q3));
+  for (const Fresh& f : fresh_) sum += inverse_sixth_power(static_cast<double>(f.q3));
   return sum;
 }
 

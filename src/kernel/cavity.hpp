@@ -65,9 +65,9 @@ class Cavity {
 
   [[nodiscard]] double new_min_q3() const noexcept { return new_min_; }
   [[nodiscard]] double old_min_q3() const noexcept;
-  /// Sums of burden().
-  [[nodiscard]] double old_burden() const noexcept;
-  [[nodiscard]] double new_burden() const noexcept;
+  /// Sums of inverse_sixth_power().
+  [[nodiscard]] double old_sum() const noexcept;
+  [[nodiscard]] double new_sum() const noexcept;
   [[nodiscard]] std::size_t new_size() const noexcept { return fresh_.size(); }
 
   /// Replaces the old tetrahedra by the new ones: links them with each other, with the outside and with the walls. New

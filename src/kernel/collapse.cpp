@@ -231,10 +231,10 @@ bool Collapser::collapse_to_relax(VertId v, VertId u, TetId at, double max_lengt
       v, u, at, max_length, [&] { return relaxes(v, u, at); }, floor, always);
 }
 
-bool Collapser::collapse_to_lighten(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
+bool Collapser::collapse_to_reduce_sum(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
   constexpr double kGain = 0.99;
   const auto floor = [&](double old_min) { return std::min(floor_q3, old_min); };
-  const auto lighter = [&] { return cavity_->new_burden() < kGain * cavity_->old_burden(); };
+  const auto lighter = [&] { return cavity_->new_sum() < kGain * cavity_->old_sum(); };
   return attempt(v, u, at, max_length, always, floor, lighter);
 }
 

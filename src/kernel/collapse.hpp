@@ -20,9 +20,9 @@ class Collapser {
   /// The same, but only if the strain of the edges that go is more than that of those that come, and no element gets
   /// worse that is below the floor.
   bool collapse_to_relax(VertId v, VertId u, TetId at, double max_length, double floor_q3);
-  /// The same, but only if the sum of burden() over the elements falls, and no element gets worse that is below the
-  /// floor.
-  bool collapse_to_lighten(VertId v, VertId u, TetId at, double max_length, double floor_q3);
+  /// The same, but only if the sum of inverse_sixth_power() over the elements falls, and no element gets worse that is
+  /// below the floor.
+  bool collapse_to_reduce_sum(VertId v, VertId u, TetId at, double max_length, double floor_q3);
 
  private:
   struct Facet {

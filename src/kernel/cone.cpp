@@ -33,7 +33,7 @@ double Cone::judge(Vec3 x, const VertMetric& m) {
       const double mx = std::max(std::max(std::abs(a.x), std::abs(b.x)), std::abs(c.x));
       const double my = std::max(std::max(std::abs(a.y), std::abs(b.y)), std::abs(c.y));
       const double mz = std::max(std::max(std::abs(a.z), std::abs(b.z)), std::abs(c.z));
-      const bool face = f.row[kRank][l] > m.rank;
+      const bool face = f.row[kOrderKey][l] > m.order_key;
       const SymTensor t{face ? f.row[kMetric][l] : m.m.xx,     face ? f.row[kMetric + 1][l] : m.m.xy,
                         face ? f.row[kMetric + 2][l] : m.m.yy, face ? f.row[kMetric + 3][l] : m.m.xz,
                         face ? f.row[kMetric + 4][l] : m.m.yz, face ? f.row[kMetric + 5][l] : m.m.zz};

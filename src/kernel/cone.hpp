@@ -21,10 +21,10 @@ class Cone {
     ++size_;
     const Vec3 xa = part.x(a), xb = part.x(b), xc = part.x(c);
     const VertMetric &ma = part.metric.at[a], &mb = part.metric.at[b], &mc = part.metric.at[c];
-    const VertMetric& ab = ma.rank >= mb.rank ? ma : mb;
-    const VertMetric& m = ab.rank >= mc.rank ? ab : mc;
-    const std::array<double, kRows> row{xa.x,   xa.y,   xa.z,   xb.x,   xb.y,   xb.z,   xc.x,       xc.y,  xc.z,
-                                        m.m.xx, m.m.xy, m.m.yy, m.m.xz, m.m.yz, m.m.zz, m.sqrt_det, m.rank};
+    const VertMetric& ab = ma.order_key >= mb.order_key ? ma : mb;
+    const VertMetric& m = ab.order_key >= mc.order_key ? ab : mc;
+    const std::array<double, kRows> row{xa.x,   xa.y,   xa.z,   xb.x,   xb.y,   xb.z,   xc.x,       xc.y,       xc.z,
+                                        m.m.xx, m.m.xy, m.m.yy, m.m.xz, m.m.yz, m.m.zz, m.sqrt_det, m.order_key};
     if (l == 0) {  // in all lanes, so that those which stay empty hold a face, too
       for (std::size_t i = 0; i < kRows; ++i) block.row[i].fill(row[i]);
     } else {
@@ -62,7 +62,7 @@ class Cone {
   static constexpr std::size_t kLanes = 8;
   using Lanes = std::array<double, kLanes>;
   /// The coordinates of a, b, c, and of their metrics the one of largest determinant.
-  enum Row : std::size_t { kA = 0, kB = 3, kC = 6, kMetric = 9, kSqrtDet = 15, kRank = 16, kRows = 17 };
+  enum Row : std::size_t { kA = 0, kB = 3, kC = 6, kMetric = 9, kSqrtDet = 15, kOrderKey = 16, kRows = 17 };
   struct alignas(64) Block {
     std::array<Lanes, kRows> row;
     [[nodiscard]] Vec3 minus(Row at, std::size_t l, Vec3 x) const noexcept {

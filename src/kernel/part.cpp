@@ -29,7 +29,7 @@ void prepare(Part& p) {
       if (!p.active(t)) p.dirty[t] = 0;  // no pass looks at it
       p.q3[t] = static_cast<float>(quality_cubed(p, t));
       p.edges[t] = p.classify_edges(t);
-      if (p.options.only_held && !p.has_any(t, kHeld)) p.dirty[t] = 0;
+      if (p.options.only_retry && !p.has_any(t, kRetry)) p.dirty[t] = 0;
     } else {
       p.free_tets.push_back(t);
     }

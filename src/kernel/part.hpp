@@ -24,10 +24,10 @@ struct KernelOptions {
   bool surface = true;           ///< tagged faces may change
   int least_turns = 2;           ///< of the main passes, even if little changes any more
   bool relax = false;            ///< strained edges are worked on one by one after the main passes
-  bool only_held = false;        ///< begin at kHeld vertices only, and go on to what changes, where active
+  bool only_retry = false;       ///< begin at kRetry vertices only, and go on to what changes, where active
   /// The metric turns within the elements of the mesh that this part is of. Not set: as the part itself looks, which
   /// for a band round bad elements would say nothing.
-  std::optional<bool> hard = {};
+  std::optional<bool> turning = {};
   double split_above = 1.4142135623;  ///< edges longer than this get points
   double collapse_below = 0.7071067;  ///< edges shorter than this lose an end
   double length_min_new = 0.6;        ///< no new point closer than this to another
@@ -45,12 +45,12 @@ enum Pass : std::uint8_t {
   kSwapPass = 4,
   kSmoothPass = 8,
   kMainPasses = 15,
-  kWorstHunt = 16,
-  kLightenHunt = 32,
-  kHunts = kWorstHunt | kLightenHunt,
-  kToHunt = 64,
+  kWorstPass = 16,
+  kSumPass = 32,
+  kImprovement = kWorstPass | kSumPass,
+  kToImprove = 64,
   kHasChanged = 128,
-  kFromTheStart = kMainPasses | kHunts | kToHunt,
+  kFromTheStart = kMainPasses | kImprovement | kToImprove,
   kAnew = kFromTheStart | kHasChanged
 };
 
@@ -113,7 +113,7 @@ struct Part {
   KernelOptions options;
   OperationCounts counts;
   bool careful = false;              ///< elements are judged by least_quality_cubed
-  bool hard = false;                 ///< of the result: what options.hard is for bands of it
+  bool turning = false;              ///< of the result: what options.turning is for bands of it
   IdVector<VertId, Anchor> anchors;  ///< of all vertices, or empty
 
   // Kept by Cavity and the operators.

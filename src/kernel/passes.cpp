@@ -8,7 +8,7 @@
 
 #include "kernel/cavity.hpp"
 #include "kernel/collapse.hpp"
-#include "kernel/hunt.hpp"
+#include "kernel/improve.hpp"
 #include "kernel/insert.hpp"
 #include "kernel/smooth.hpp"
 #include "kernel/swap.hpp"
@@ -24,7 +24,7 @@ constexpr std::int64_t kRunaway =
 constexpr int kQuickRing = 4;
 /// Below this quality an edge may have more vertices round it: where a metric turns and grows quickly over few elements
 /// they make two points more of unit edges.
-constexpr double kHardQuality = 0.45;
+constexpr double kTurningQuality = 0.45;
 /// The main turns end when not more than one vertex in so many has come or gone.
 constexpr std::int64_t kSettled = 20;
 constexpr int kMostTurns = 5;
@@ -51,7 +51,7 @@ class Passes {
         collapse_(part, cavity_),
         swap_(part, cavity_),
         smooth_(part),
-        hunt_(part, collapse_, swap_, smooth_),
+        improve_(part, collapse_, swap_, smooth_),
         old2new_(part.mesh.vert_slots()),
         ordered_(part.mesh.tet_slots()) {
     for (const VertId v : IdRange<VertId>(old2new_.size())) old2new_[v] = part.mesh.is_live(v) ? v : kNoVert;
@@ -65,12 +65,12 @@ class Passes {
   std::int64_t swap_below(double quality);
   std::int64_t smooth_below(double quality);
   /// Bounds for edges that the passes have left far from unit length.
-  struct LengthHunt {
+  struct LengthBounds {
     double longest, shortest;  ///< edges beyond are hunted
     double max_new, min_new;   ///< looser than in the passes: bounds on what is made in their place
   };
   /// `only_new`: in elements that are dirty.
-  void hunt_lengths(const LengthHunt& hunt, bool only_new = false);
+  void improve_lengths(const LengthBounds& hunt, bool only_new = false);
   /// Share of the elements that are below this quality.
   [[nodiscard]] double share_below(double quality) const;
   /// Share of the edges, as the tetrahedra meet them, that are too long or too short.
@@ -79,12 +79,12 @@ class Passes {
   void anchor();
   /// Counts what is still below `target`, by what holds it (OperationCounts).
   void count_poor(double target);
-  /// kHeld on the vertices of what is far from what was wanted and is confined, as another round might do better there;
-  /// kHindered on those of what is not good and has a bound vertex; and on no others.
-  void mark_held();
+  /// kRetry on the vertices of what is far from what was wanted and is confined, as another round might do better
+  /// there; kBesideFrozen on those of what is not good and has a bound vertex; and on no others.
+  void mark_retry();
   /// Puts what is near in space near in memory, if much is new.
   void order_if_grown();
-  [[nodiscard]] Hunter& hunt() noexcept { return hunt_; }
+  [[nodiscard]] Improver& hunt() noexcept { return improve_; }
   /// Vertices before the first pass -> vertices now.
   [[nodiscard]] IdVector<VertId, VertId>& old2new() noexcept { return old2new_; }
 
@@ -108,7 +108,7 @@ class Passes {
   /// with nothing in their way, and would hand each other on for ever.
   [[nodiscard]] bool is_bound(VertId v) const noexcept {
     const unsigned f = part_.mesh.vert_flags[v] & (kFrozen | kActive);
-    return part_.options.only_held ? f == (kFrozen | kActive) : f != kActive;
+    return part_.options.only_retry ? f == (kFrozen | kActive) : f != kActive;
   }
 
   Part& part_;
@@ -117,14 +117,14 @@ class Passes {
   Collapser collapse_;
   Swapper swap_;
   Smoother smooth_;
-  Hunter hunt_;
+  Improver improve_;
   Shell shell_;
   std::vector<VertId> to_move_;
   IdVector<VertId, VertId> old2new_;
   std::size_t ordered_;  ///< tetrahedra when they were put in order
   double collapsed_below_ = 0;
   /// Bounds of the last hunt for lengths. What has changed since or was tried in vain has the bit kInsertPass.
-  double hunted_above_ = 0, hunted_below_ = 0;
+  double improved_above_ = 0, improved_below_ = 0;
   std::int64_t expected_ = -1;  ///< expected_points() before the first points
 };
 
@@ -275,13 +275,13 @@ std::int64_t Passes::create_points(double times) {
 
 std::int64_t Passes::create_coarse_points() {
   const std::int64_t created = create_points(kCoarse);
-  for (auto& d : part_.dirty) d = static_cast<std::uint8_t>(d | ((d & kToHunt) != 0 ? kInsertPass : 0));
+  for (auto& d : part_.dirty) d = static_cast<std::uint8_t>(d | ((d & kToImprove) != 0 ? kInsertPass : 0));
   return created;
 }
 
 std::int64_t Passes::swap_below(double quality) {
   const std::int64_t before = part_.counts.swap;
-  const auto limit = static_cast<float>(cube(quality)), hard = static_cast<float>(cube(kHardQuality));
+  const auto limit = static_cast<float>(cube(quality)), hard = static_cast<float>(cube(kTurningQuality));
   const auto wanted = [&](TetId t) { return part_.q3[t] < limit; };
   sweep(kSwapPass, 4, wanted,
         [&](TetId t) { swap_.any_edge(t, part_.q3[t] < hard ? Swapper::kMaxRing : kQuickRing, true); });
@@ -311,13 +311,13 @@ std::int64_t Passes::smooth_below(double quality) {
   return part_.counts.smooth - before;
 }
 
-void Passes::hunt_lengths(const LengthHunt& hunt, bool only_new) {
+void Passes::improve_lengths(const LengthBounds& hunt, bool only_new) {
   const KernelOptions strict = part_.options;
   part_.options.length_min_new = hunt.min_new;
   insert_.set_strict(true);
-  const bool wider = hunt.longest >= hunted_above_ && hunt.shortest <= hunted_below_;
-  hunted_above_ = hunt.longest, hunted_below_ = hunt.shortest;
-  unsigned looked_at = only_new || wider ? kInsertPass : kToHunt;
+  const bool wider = hunt.longest >= improved_above_ && hunt.shortest <= improved_below_;
+  improved_above_ = hunt.longest, improved_below_ = hunt.shortest;
+  unsigned looked_at = only_new || wider ? kInsertPass : kToImprove;
   for (int turn = 0; turn < kLengthTurns; ++turn) {
     bool any = false;
     forget_refused();
@@ -396,16 +396,16 @@ bool Passes::is_bad(TetId t) const noexcept {
     const VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
     if (part_.is_longer(a, b, kBadLong)) return true;
     // What is short after two rounds lies between vertices that must stay, as a rule, and costs elements, no accuracy.
-    if (!part_.options.only_held && part_.is_shorter(a, b, kBadShort)) return true;
+    if (!part_.options.only_retry && part_.is_shorter(a, b, kBadShort)) return true;
   }
   return false;
 }
 
-void Passes::mark_held() {
+void Passes::mark_retry() {
   TetMesh& m = part_.mesh;
   bool any = false;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~(kHeld | kHindered));
+    m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~(kRetry | kBesideFrozen));
     any = any || (is_bound(v) && m.is_live(v));
   }
   if (!any) return;
@@ -416,7 +416,7 @@ void Passes::mark_held() {
     if (!m.is_live(t)) continue;
     const auto& tv = m.tet2vert[t];
     if (!is_bound(tv[0]) && !is_bound(tv[1]) && !is_bound(tv[2]) && !is_bound(tv[3])) continue;
-    const std::uint8_t hindered = part_.q3[t] < good ? kHindered : 0;
+    const std::uint8_t hindered = part_.q3[t] < good ? kBesideFrozen : 0;
     for (const VertId v : tv) {
       part_.vert_mark[v] = stamp;
       m.vert_flags[v] |= hindered;
@@ -428,7 +428,7 @@ void Passes::mark_held() {
   };
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t) || !is_confined(t) || !is_bad(t) || !part_.active(t)) continue;
-    for (const VertId v : m.tet2vert[t]) m.vert_flags[v] |= kHeld;
+    for (const VertId v : m.tet2vert[t]) m.vert_flags[v] |= kRetry;
   }
 }
 
@@ -443,9 +443,9 @@ struct Care {
 };
 /// A mesh with more poor elements than this after the main turns has a metric that turns within its elements (17 %
 /// where h = 0.001 across a cylinder and 0.1 along it, below 3 % everywhere else): its edges are relaxed.
-constexpr double kHardShare = 0.05;
+constexpr double kTurningShare = 0.05;
 /// The same for elements below kBad: round a surface that stays, far coarser than the metric.
-constexpr double kHardShareOfBad = 0.01;
+constexpr double kTurningShareOfBad = 0.01;
 constexpr double kPoor = 0.5;  ///< quality below which elements are hunted
 /// Quality below which elements are smoothed in the first of the main turns and in the others: between the two there is
 /// much to move by then, and nothing to gain.
@@ -456,8 +456,8 @@ constexpr double kSmoothed = 0.9, kSmoothedAgain = 0.85;
 constexpr double kAdaptedBefore = 0.3, kSettledShare = 0.04, kFewBad = 0.0003;
 constexpr double kBad = 0.2;  ///< quality below which an element is hunted carefully in any mesh
 constexpr Care kRefined{.swap = 0.7, .stretch = 1}, kCoarsened{.swap = 0.8, .stretch = 1.03};
-constexpr Passes::LengthHunt kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
-constexpr Passes::LengthHunt kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
+constexpr Passes::LengthBounds kFar{.longest = 1.8, .shortest = 0.55, .max_new = 1.8, .min_new = 0.45};
+constexpr Passes::LengthBounds kVeryFar{.longest = 2.1, .shortest = 0.4, .max_new = 2.2, .min_new = 0.35};
 
 /// The first step of halves; good places for the next one need good elements.
 void create_coarse_points(Passes& pass, const Part& part, Care care) {
@@ -470,15 +470,15 @@ void create_coarse_points(Passes& pass, const Part& part, Care care) {
 Care main_turns(Passes& pass, Part& part) {
   const KernelOptions& o = part.options;
   // Much shorter ones first, where there may be many.
-  if (!o.only_held) pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
+  if (!o.only_retry) pass.collapse_short(0.5 * o.collapse_below, o.split_above, kFloor);
   pass.collapse_short(o.collapse_below, o.split_above, kFloor);
   const Care care = part.counts.collapse > part.live_verts() ? kCoarsened : kRefined;
-  if (!o.only_held) create_coarse_points(pass, part, care);
+  if (!o.only_retry) create_coarse_points(pass, part, care);
   pass.create_points();
   pass.order_if_grown();
   for (int i = 0; i < kMostTurns; ++i) {
     pass.swap_below(care.swap);
-    pass.smooth_below(i == 0 && !o.only_held ? kSmoothed : kSmoothedAgain);
+    pass.smooth_below(i == 0 && !o.only_retry ? kSmoothed : kSmoothedAgain);
     std::int64_t changed = pass.collapse_short(o.collapse_below, care.stretch * o.split_above, kFloor);
     changed += pass.create_points();
     if (i + 1 >= o.least_turns && kSettled * changed <= part.live_verts()) break;
@@ -487,51 +487,51 @@ Care main_turns(Passes& pass, Part& part) {
 }
 
 void hunt(Passes& pass, Care care, bool relax) {
-  pass.hunt_lengths(kFar);
+  pass.improve_lengths(kFar);
   if (relax) pass.hunt().relax(1);
   pass.swap_below(care.swap);
   pass.smooth_below(0.75);
-  pass.hunt_lengths(kFar);
+  pass.improve_lengths(kFar);
   pass.hunt().worst(kPoor);
   // Either may leave something for the other one; what has not changed is not looked at again.
   for (int i = 0; i < 2; ++i) {
-    pass.hunt_lengths(kVeryFar);
+    pass.improve_lengths(kVeryFar);
     pass.hunt().worst(0.4);
   }
 }
 
 /// The same where the metric turns within its elements.
-void hunt_carefully(Passes& pass, Care care, bool settled) {
+void improve_turning(Passes& pass, Care care, bool settled) {
   constexpr int kRelaxTurns = 4, kPairs = 3;
   constexpr double kFewer = 0.4, kWorst = 0.39, kFloorOfWorst = 0.36;
-  Hunter& hunt = pass.hunt();
+  Improver& hunt = pass.hunt();
   hunt.judge_carefully(true);
-  pass.hunt_lengths(kVeryFar);
+  pass.improve_lengths(kVeryFar);
   hunt.relax(kRelaxTurns);
   if (!settled) {
     pass.swap_below(care.swap);
     pass.smooth_below(0.75);
   }
-  hunt.lighten(settled ? kFewer : kPoor, 0);
+  hunt.reduce_sum(settled ? kFewer : kPoor, 0);
   hunt.relax(kRelaxTurns);
-  hunt.lighten(kFewer, 0);
+  hunt.reduce_sum(kFewer, 0);
   hunt.worst(kWorst);
   // In turns, since each of them leaves the other new places to go on from.
   for (int i = 0; i < kPairs; ++i) {
-    hunt.lighten(kWorst, kFloorOfWorst);
+    hunt.reduce_sum(kWorst, kFloorOfWorst);
     hunt.worst(kWorst);
   }
   hunt.judge_carefully(false);
 }
 /// What is left between what must stay.
-void hunt_bad(Passes& pass) {
+void improve_bad(Passes& pass) {
   constexpr double kFloorOfBad = 0.15, kPerhapsBad = 0.3;
-  Hunter& hunt = pass.hunt();
+  Improver& hunt = pass.hunt();
   if (!hunt.judge_few_carefully(kPerhapsBad)) return;
-  hunt.lighten(kBad, kFloorOfBad);
+  hunt.reduce_sum(kBad, kFloorOfBad);
   hunt.worst(kBad);
   for (int i = 0; i < 2; ++i) {
-    pass.hunt_lengths(kVeryFar, true);
+    pass.improve_lengths(kVeryFar, true);
     hunt.worst(kBad);
   }
   hunt.leave_few();
@@ -540,21 +540,21 @@ void hunt_bad(Passes& pass) {
 
 IdVector<VertId, VertId> adapt_part(Part& part) {
   Passes pass(part);
-  const auto is_hard = [&] { return part.options.hard.value_or(pass.share_below(kPoor) > kHardShare); };
-  const double strained = is_hard() ? pass.strained_share() : 1;
+  const auto is_turning = [&] { return part.options.turning.value_or(pass.share_below(kPoor) > kTurningShare); };
+  const double strained = is_turning() ? pass.strained_share() : 1;
   if (strained < kAdaptedBefore) pass.anchor();
   const bool settled = strained < kSettledShare && pass.share_below(kBadQuality) < kFewBad;
   const Care care = settled ? kRefined : main_turns(pass, part);
-  part.hard = settled || is_hard() || (!part.options.hard && pass.share_below(kBad) > kHardShareOfBad);
-  if (part.hard) {
-    hunt_carefully(pass, care, settled);
+  part.turning = settled || is_turning() || (!part.options.turning && pass.share_below(kBad) > kTurningShareOfBad);
+  if (part.turning) {
+    improve_turning(pass, care, settled);
   } else {
     hunt(pass, care, part.options.relax);
-    hunt_bad(pass);
+    improve_bad(pass);
   }
   part.anchors = {};
   pass.count_poor(kPoor);
-  pass.mark_held();
+  pass.mark_retry();
   return std::move(pass.old2new());
 }
 

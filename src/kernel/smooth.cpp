@@ -418,7 +418,7 @@ double lowest(double minus, double middle, double plus) noexcept {
 }
 }  // namespace
 
-bool Smoother::move_to_lighten(VertId v, double floor_q3) {
+bool Smoother::move_to_reduce_sum(VertId v, double floor_q3) {
   constexpr double kGain = 0.998;
   Ball ball;
   if (!gather(v, ball)) return false;
@@ -426,7 +426,7 @@ bool Smoother::move_to_lighten(VertId v, double floor_q3) {
   std::array<Vec3, 3> axis;
   const std::size_t dims = basis(part_->metric.at[v].m, ball.free.dims, ball.free.t0, ball.free.t1, axis);
   double old_sum = 0;
-  for (const FaceId f : ball_) old_sum += burden(static_cast<double>(part_->q3[face_tet(f)]));
+  for (const FaceId f : ball_) old_sum += inverse_sixth_power(static_cast<double>(part_->q3[face_tet(f)]));
 
   Vec3 best;
   SymTensor best_log;
@@ -438,7 +438,7 @@ bool Smoother::move_to_lighten(VertId v, double floor_q3) {
     const double low = judge(x + step, vert_metric_from_log(log_m), bound);
     if (!(low > 0) || low < bound) return kRefused;
     double sum = 0;
-    for (std::size_t i = 0; i < ball_.size(); ++i) sum += burden(cone_.q3(i));
+    for (std::size_t i = 0; i < ball_.size(); ++i) sum += inverse_sixth_power(cone_.q3(i));
     if (sum < best_sum) best_sum = sum, best = step, best_log = log_m;
     return sum;
   };

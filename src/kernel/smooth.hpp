@@ -25,10 +25,10 @@ class Smoother {
   /// Tries steps along the axes of the metric and takes the one with the best worst element. For where the metric turns
   /// within an element, and the model of move(), whose metric is constant, points elsewhere.
   bool move_along_axes(VertId v);
-  /// Moves v so that the sum of burden() over its elements becomes less, along the axes of the metric and to the
-  /// minimum of parabolas through what is found there: the same for where Newton's model does not hold. No element gets
-  /// worse that is below the floor.
-  bool move_to_lighten(VertId v, double floor_q3);
+  /// Moves v so that the sum of inverse_sixth_power() over its elements becomes less, along the axes of the metric and
+  /// to the minimum of parabolas through what is found there: the same for where Newton's model does not hold. No
+  /// element gets worse that is below the floor.
+  bool move_to_reduce_sum(VertId v, double floor_q3);
   /// Makes the balls of all vertices at once, for many moves of a mesh whose topology does not change until drop_index.
   void index_balls();
   void drop_index() noexcept;

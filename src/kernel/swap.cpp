@@ -75,7 +75,7 @@ double Swapper::lightest_triangulation(int ring) {
     const double top = part_->quality_cubed(p, r, s, b);
     if (top <= bound_) return kRefused;
     const double under = part_->quality_cubed(p, s, r, a);
-    return under <= bound_ ? kRefused : burden(top) + burden(under);
+    return under <= bound_ ? kRefused : inverse_sixth_power(top) + inverse_sixth_power(under);
   };
   for (int i = 0; i + 1 < ring; ++i) best_[u(i)][u(i + 1)] = 0;
   for (int len = 2; len < ring; ++len) {
@@ -173,12 +173,12 @@ bool Swapper::edge_to_relax(TetId t, VertId a, VertId b, double floor_q3) {
   return done;
 }
 
-bool Swapper::edge_to_lighten(TetId t, VertId a, VertId b, double floor_q3) {
+bool Swapper::edge_to_reduce_sum(TetId t, VertId a, VertId b, double floor_q3) {
   constexpr double kGain = 0.995;
   if (!gather(t, a, b, kMaxRing)) return false;
   bound_ = std::max(0.999 * std::min(worst_of_shell(), floor_q3), 1e-15);
   double sum = 0;
-  for (int i = 0; i < shell_.n; ++i) sum += burden(static_cast<double>(part_->q3[shell_.tet[u(i)]]));
+  for (int i = 0; i < shell_.n; ++i) sum += inverse_sixth_power(static_cast<double>(part_->q3[shell_.tet[u(i)]]));
   return lightest_triangulation(shell_.ring_size()) < kGain * sum && make_triangles();
 }
 

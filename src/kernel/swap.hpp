@@ -20,8 +20,8 @@ class Swapper {
   /// The same for an edge that is too long or too short: the new ones together have less strain, and no element is
   /// worse that is below the floor.
   bool edge_to_relax(TetId t, VertId a, VertId b, double floor_q3);
-  /// The same for the least sum of burden() over the elements; none is worse that is below the floor.
-  bool edge_to_lighten(TetId t, VertId a, VertId b, double floor_q3);
+  /// The same for the least sum of inverse_sixth_power() over the elements; none is worse that is below the floor.
+  bool edge_to_reduce_sum(TetId t, VertId a, VertId b, double floor_q3);
   /// Swaps one of the edges of t with at most max_ring vertices round it; with `remember`, refusals are kept
   /// (Part::refused) and not tried again.
   bool any_edge(TetId t, int max_ring, bool remember);
@@ -44,7 +44,8 @@ class Swapper {
   /// The edge between two ring vertices exists already, or has not more strain than max_strain_.
   [[nodiscard]] bool may_connect(int i, int j) const noexcept;
   double best_triangulation(int ring);
-  /// The same with the least sum of burden() among those whose elements are all better than bound_; returns that sum.
+  /// The same with the least sum of inverse_sixth_power() among those whose elements are all better than bound_;
+  /// returns that sum.
   double lightest_triangulation(int ring);
   /// Lists the triangles of the polygon between ring vertices i and j; false if one of their tetrahedra is not good
   /// enough after all.

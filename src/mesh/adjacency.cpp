@@ -7,9 +7,9 @@
 #include <array>
 #include <numeric>
 
-#include "mesh/error.hpp"
-#include "mesh/hilbert.hpp"
-#include "mesh/radix_sort.hpp"
+#include "base/error.hpp"
+#include "base/hilbert.hpp"
+#include "base/radix_sort.hpp"
 
 namespace skein {
 namespace {

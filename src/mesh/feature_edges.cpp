@@ -51,17 +51,17 @@ void FeatureEdges::erase(VertId a, VertId b) noexcept {
   if (list_.empty()) return;
   if (b < a) std::swap(a, b);
   const std::size_t mask = table_.size() - 1;
-  std::size_t hole = slot(a, b);
-  if (table_[hole] < 0) return;
-  const auto gone = static_cast<std::size_t>(table_[hole]);
-  table_[hole] = -1;
-  for (std::size_t s = (hole + 1) & mask; table_[s] >= 0; s = (s + 1) & mask) {
+  std::size_t gap = slot(a, b);
+  if (table_[gap] < 0) return;
+  const auto gone = static_cast<std::size_t>(table_[gap]);
+  table_[gap] = -1;
+  for (std::size_t s = (gap + 1) & mask; table_[s] >= 0; s = (s + 1) & mask) {
     const auto& e = list_[static_cast<std::size_t>(table_[s])];
     const std::size_t home = mix(e.a, e.b) & mask;
-    if (((s - home) & mask) >= ((s - hole) & mask)) {
-      table_[hole] = table_[s];
+    if (((s - home) & mask) >= ((s - gap) & mask)) {
+      table_[gap] = table_[s];
       table_[s] = -1;
-      hole = s;
+      gap = s;
     }
   }
   if (gone + 1 < list_.size()) {

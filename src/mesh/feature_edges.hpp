@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesh/ids.hpp"
+#include "base/ids.hpp"
 
 namespace skein {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh/vec3.hpp"
+#include "base/vec3.hpp"
 
 namespace skein {
 

@@ -4,22 +4,22 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/ids.hpp"
+#include "base/vec3.hpp"
 #include "mesh/feature_edges.hpp"
-#include "mesh/ids.hpp"
-#include "mesh/vec3.hpp"
 
 namespace skein {
 
 /// What a vertex is; a set of bits.
 enum VertFlag : std::uint8_t {
-  kSurface = 1,    ///< lies on a tagged face (domain boundary or internal interface)
-  kRidge = 2,      ///< lies on a feature edge
-  kCorner = 4,     ///< never moves, never goes (end or junction of feature edges, or given as corner)
-  kRequired = 8,   ///< given as required: never moves, never goes
-  kFrozen = 16,    ///< on the interface to another part: not to be touched in this round
-  kActive = 32,    ///< still to be looked at
-  kHindered = 64,  ///< of a tetrahedron that could be better and has a vertex that had to stay in the last round
-  kHeld = 128,     ///< what is round it is to be looked at first: a frozen vertex was in the way of the last round
+  kSurface = 1,        ///< lies on a tagged face (domain boundary or internal interface)
+  kRidge = 2,          ///< lies on a feature edge
+  kCorner = 4,         ///< never moves, never goes (end or junction of feature edges, or given as corner)
+  kRequired = 8,       ///< given as required: never moves, never goes
+  kFrozen = 16,        ///< on the interface to another part: not to be touched in this round
+  kActive = 32,        ///< still to be looked at
+  kBesideFrozen = 64,  ///< of a tetrahedron that could be better and has a vertex that had to stay in the last round
+  kRetry = 128,        ///< what is round it is to be looked at first: a frozen vertex was in the way of the last round
 };
 
 /// Tag of one face of a tetrahedron: 0 is an inner face; otherwise the low 14 bits are the patch number (1-based

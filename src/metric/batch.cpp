@@ -65,7 +65,7 @@ void vert_metrics_from_logs(const TensorLanes& log_m, std::array<VertMetric, kTe
   for (std::size_t l = 0; l < kTensorLanes; ++l) {
     out[l].m = {sum[0][l], sum[1][l], sum[2][l], sum[3][l], sum[4][l], sum[5][l]};
     out[l].sqrt_det = std::exp(0.5 * (log_m[0][l] + log_m[2][l] + log_m[5][l]));
-    out[l].rank = rank_of(out[l].m, out[l].sqrt_det);
+    out[l].order_key = order_key_of(out[l].m, out[l].sqrt_det);
   }
 }
 

@@ -4,27 +4,27 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh/ids.hpp"
+#include "base/ids.hpp"
 #include "metric/tensor.hpp"
 
 namespace skein {
 
 /// The metric at a vertex with the square root of its determinant beside it.
 struct alignas(64) VertMetric {
-  SymTensor m;          ///< 1/length^2
-  double sqrt_det = 1;  ///< 1/length^3
-  double rank = 1;      ///< who has the largest determinant is told by this; see rank_of
+  SymTensor m;           ///< 1/length^2
+  double sqrt_det = 1;   ///< 1/length^3
+  double order_key = 1;  ///< who has the largest determinant is told by this; see order_key_of
 };
 /// sqrt_det, changed by so little that it is of no account, but so that different metrics of the same determinant are
 /// in an order: which of them an element takes must not hang on the order of its vertices.
-inline double rank_of(const SymTensor& m, double sqrt_det) noexcept {
+inline double order_key_of(const SymTensor& m, double sqrt_det) noexcept {
   constexpr double kLittle = 1e-10;
   const double turned = m.xx + 0.618 * m.yy + 1.7 * m.xy + 2.3 * m.xz + 2.9 * m.yz;  // of no symmetry
   return sqrt_det * (1 + kLittle * turned / (m.xx + m.yy + m.zz));
 }
 inline VertMetric vert_metric(const SymTensor& m) noexcept {
   const double sqrt_det = std::sqrt(std::max(0.0, det(m)));
-  return {m, sqrt_det, rank_of(m, sqrt_det)};
+  return {m, sqrt_det, order_key_of(m, sqrt_det)};
 }
 
 /// Length of an edge from the lengths la, lb of its vector in the metrics of both ends: the logarithmic mean
@@ -50,9 +50,9 @@ constexpr double cube(double q) noexcept { return q * q * q; }
 /// The cube needs no root; 1 for the unit tetrahedron, negative when it is inverted.
 inline double quality_cubed(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const VertMetric& m0, const VertMetric& m1,
                             const VertMetric& m2, const VertMetric& m3) noexcept {
-  const VertMetric& p = m0.rank >= m1.rank ? m0 : m1;
-  const VertMetric& q = m2.rank >= m3.rank ? m2 : m3;
-  const VertMetric& m = p.rank >= q.rank ? p : q;
+  const VertMetric& p = m0.order_key >= m1.order_key ? m0 : m1;
+  const VertMetric& q = m2.order_key >= m3.order_key ? m2 : m3;
+  const VertMetric& m = p.order_key >= q.order_key ? p : q;
   const Vec3 a = x1 - x0, b = x2 - x0, c = x3 - x0;
   const double v = dot(cross(a, b), c) * (1.0 / 6) * m.sqrt_det;
   // The sum over the six edges of points 0, a, b, c is 4 (a'Ma + b'Mb + c'Mc) - (a+b+c)'M(a+b+c).
@@ -74,7 +74,7 @@ inline double least_quality_cubed(Vec3 x0, Vec3 x1, Vec3 x2, Vec3 x3, const Vert
 }
 /// What an element counts as where the sum over elements is to become less: 1/Q^6, so that the worst lead it. It grows
 /// no more where elements are all but flat.
-constexpr double burden(double q3) noexcept {
+constexpr double inverse_sixth_power(double q3) noexcept {
   constexpr double kFlat = 1e-6;
   const double q = q3 > kFlat ? q3 : kFlat;
   return 1 / (q * q);

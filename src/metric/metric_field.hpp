@@ -1,6 +1,6 @@
 // MetricField: the metric at the vertices of a mesh, with its logarithm for interpolation.
 #pragma once
-#include "mesh/ids.hpp"
+#include "base/ids.hpp"
 #include "metric/batch.hpp"
 #include "metric/measure.hpp"
 #include "metric/tensor.hpp"
@@ -12,7 +12,7 @@ namespace skein {
 inline VertMetric vert_metric_from_log(const SymTensor& log_m) noexcept {
   const SymTensor m = exp(log_m);
   const double sqrt_det = std::exp(0.5 * (log_m.xx + log_m.yy + log_m.zz));
-  return {m, sqrt_det, rank_of(m, sqrt_det)};
+  return {m, sqrt_det, order_key_of(m, sqrt_det)};
 }
 
 /// The metric at every vertex, twice: as it measures (with determinant) and as it is interpolated (log-Euclidean).

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "mesh/vec3.hpp"
+#include "base/vec3.hpp"
 
 namespace skein {
 

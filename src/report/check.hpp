@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "comm/comm.hpp"
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 #include "report/json.hpp"
 
 namespace skein {

@@ -1,9 +1,9 @@
 // The result of a check as text and as JSON. Numbers from 1, as in the file.
 #include <fmt/core.h>
 
-#include "mesh/vec3.hpp"
+#include "base/text.hpp"
+#include "base/vec3.hpp"
 #include "report/check.hpp"
-#include "report/text.hpp"
 
 namespace skein {
 namespace {

@@ -141,7 +141,7 @@ void gather(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, TetId 
   for (std::size_t k = 1; k < 4; ++k) {
     const VertMetric& a = (*metric)[v[k]];
     sum += a.sqrt_det;
-    if (a.rank > strictest->rank) strictest = &a;
+    if (a.order_key > strictest->order_key) strictest = &a;
   }
   const SymTensor& s = strictest->m;
   b.metric[0][l] = s.xx, b.metric[1][l] = s.xy, b.metric[2][l] = s.yy;

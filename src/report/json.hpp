@@ -4,7 +4,7 @@
 #include <string>
 
 #include "comm/comm.hpp"
-#include "report/phase_log.hpp"
+#include "comm/phase_log.hpp"
 
 namespace skein {
 

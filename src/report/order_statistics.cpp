@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "mesh/parallel.hpp"
+#include "base/parallel.hpp"
 
 namespace skein {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesh/parallel.hpp"
+#include "base/parallel.hpp"
 #include "metric/batch.hpp"
 #include "metric/measure.hpp"
 #include "report/element_pass.hpp"

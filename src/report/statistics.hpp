@@ -5,7 +5,7 @@
 #include <string>
 
 #include "comm/comm.hpp"
-#include "partition/dist_mesh.hpp"
+#include "dist/dist_mesh.hpp"
 
 namespace skein {
 

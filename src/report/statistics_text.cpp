@@ -4,8 +4,8 @@
 #include <numeric>
 #include <span>
 
+#include "base/text.hpp"
 #include "report/statistics.hpp"
-#include "report/text.hpp"
 
 namespace skein {
 namespace {

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <vector>
 
+#include "dist/sharing.hpp"
 #include "metric/gradation.hpp"
-#include "partition/sharing.hpp"
 
 namespace skein {
 namespace {

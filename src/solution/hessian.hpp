@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "comm/halo.hpp"
+#include "dist/dist_mesh.hpp"
 #include "metric/tensor.hpp"
-#include "partition/dist_mesh.hpp"
 
 namespace skein {
 

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "partition/rendezvous.hpp"
+#include "dist/rendezvous.hpp"
 
 namespace skein {
 namespace {

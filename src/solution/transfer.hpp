@@ -4,7 +4,7 @@
 #include <span>
 
 #include "comm/comm.hpp"
-#include "partition/dist_mesh.hpp"
+#include "dist/dist_mesh.hpp"
 #include "solution/transfer_locator.hpp"
 
 namespace skein {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "mesh/hilbert.hpp"
-#include "mesh/vec3.hpp"
+#include "base/hilbert.hpp"
+#include "base/vec3.hpp"
 
 namespace skein {
 

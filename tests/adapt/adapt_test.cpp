@@ -8,7 +8,7 @@
 
 #include "metric/tensor.hpp"
 #include "report/statistics.hpp"
-#include "tests/partition/cube.hpp"
+#include "tests/dist/cube.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

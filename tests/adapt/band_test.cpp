@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "adapt/local.hpp"
+#include "dist/interface.hpp"
 #include "metric/tensor.hpp"
-#include "partition/interface.hpp"
-#include "tests/partition/cube.hpp"
+#include "tests/dist/cube.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
@@ -48,15 +48,15 @@ TEST(Band, ComesBackAsItWasCut) {
   }
 }
 
-TEST(Band, BringsBackWhatIsHeld) {
+TEST(Band, BringsBackRetryVertices) {
   const Comm& comm = world();
   DistMesh dist = make(comm, 0.1);
-  for (auto& f : dist.mesh.vert_flags) f |= kHeld;
+  for (auto& f : dist.mesh.vert_flags) f |= kRetry;
   Band band = cut_band(dist, 1);
   const auto marked = [](Vec3 x) { return x.y < 0.5; };  // as the kernel would, on frozen vertices, too
   for (const VertId v : IdRange<VertId>(band.mesh.vert_slots())) {
     if (!marked(band.mesh.coords[v]))
-      band.mesh.vert_flags[v] = static_cast<std::uint8_t>(band.mesh.vert_flags[v] & ~kHeld);
+      band.mesh.vert_flags[v] = static_cast<std::uint8_t>(band.mesh.vert_flags[v] & ~kRetry);
   }
   IdVector<VertId, VertId> old2new(band.mesh.vert_slots(), kNoVert);
   for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = band.mesh.has(v, kFrozen) ? v : kNoVert;
@@ -64,7 +64,7 @@ TEST(Band, BringsBackWhatIsHeld) {
   for (const VertId v : band.to_rank) in_band[v] = 1;
   put_back(dist, band, old2new);  // nothing has changed, so numbers have not
   for (const VertId v : IdRange<VertId>(in_band.size())) {
-    EXPECT_EQ(dist.mesh.has(v, kHeld), in_band[v] == 0 || marked(dist.mesh.coords[v]));
+    EXPECT_EQ(dist.mesh.has(v, kRetry), in_band[v] == 0 || marked(dist.mesh.coords[v]));
   }
 }
 

@@ -10,10 +10,10 @@
 #include <set>
 
 #include "adapt/gaps.hpp"
+#include "dist/partition.hpp"
 #include "kernel/passes.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
-#include "partition/partition.hpp"
 #include "tests/kernel/metrics.hpp"
 #include "tests/mesh/meshes.hpp"
 

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <vector>
 
+#include "dist/partition.hpp"
 #include "metric/tensor.hpp"
-#include "partition/partition.hpp"
-#include "tests/partition/cube.hpp"
+#include "tests/dist/cube.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "mesh/parallel.hpp"
+#include "base/parallel.hpp"
 
 namespace skein::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <string>
 
-#include "mesh/error.hpp"
+#include "base/error.hpp"
 
 namespace skein::test {
 

@@ -6,10 +6,10 @@
 
 #include <cmath>
 
+#include "dist/reconcile.hpp"
 #include "generate/slices.hpp"
 #include "generate/surface_check.hpp"
 #include "mesh/check.hpp"
-#include "partition/reconcile.hpp"
 #include "report/statistics.hpp"
 #include "tests/generate/expect_error.hpp"
 #include "tests/generate/surfaces.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "generate/shells.hpp"
+#include "generate/components.hpp"
 #include "generate/surface_check.hpp"
 #include "tests/generate/expect_error.hpp"
 #include "tests/generate/surfaces.hpp"
@@ -39,10 +39,10 @@ TEST(CheckSurface, FindsVoidsAndIslands) {
                                  test::sphere(1, 1, {6, 0, 0}));
   const ClosedSurface s = check_surface(m);
   EXPECT_EQ(s.shells, 4);
-  ASSERT_EQ(s.holes.size(), 2U);  // between the second and third sphere, and in the fourth
-  EXPECT_LT(norm(s.holes[0]), 4);
-  EXPECT_GT(norm(s.holes[0]), 2 * 0.9);
-  EXPECT_LT(norm(s.holes[1] - Vec3{6, 0, 0}), 1);
+  ASSERT_EQ(s.voids.size(), 2U);  // between the second and third sphere, and in the fourth
+  EXPECT_LT(norm(s.voids[0]), 4);
+  EXPECT_GT(norm(s.voids[0]), 2 * 0.9);
+  EXPECT_LT(norm(s.voids[1] - Vec3{6, 0, 0}), 1);
   const double ball = signed_volume(test::sphere(2)), small = signed_volume(test::sphere(1));
   EXPECT_NEAR(s.volume, (512 - 64 + 8) * ball - small, 1e-9);
 }
@@ -51,15 +51,15 @@ TEST(CheckSurface, FindsAPointInAThinVoid) {
   MeshSlice plate = test::cube(6);
   for (Vec3& x : plate.coords) x = {0.2 + 0.6 * x.x, 0.2 + 0.6 * x.y, 0.5 + 1e-5 * x.z};
   const ClosedSurface s = check_surface(test::both(test::cube(3), plate));
-  ASSERT_EQ(s.holes.size(), 1U);
-  EXPECT_GT(s.holes[0].z, 0.5);
-  EXPECT_LT(s.holes[0].z, 0.5 + 1e-5);
+  ASSERT_EQ(s.voids.size(), 1U);
+  EXPECT_GT(s.voids[0].z, 0.5);
+  EXPECT_LT(s.voids[0].z, 0.5 + 1e-5);
 }
 
 TEST(CheckSurface, TakesBodiesSideBySide) {
   const ClosedSurface s = check_surface(test::both(test::sphere(2), test::sphere(2, 1, {5, 0, 0})));
   EXPECT_EQ(s.shells, 2);
-  EXPECT_TRUE(s.holes.empty());
+  EXPECT_TRUE(s.voids.empty());
 }
 
 TEST(CheckSurface, MergesTwinsAndDropsUnusedVertices) {

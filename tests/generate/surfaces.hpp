@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 
 namespace skein::test {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/mesh_slice.hpp"
+#include "mesh/mesh_slice.hpp"
 
 namespace skein::test {
 

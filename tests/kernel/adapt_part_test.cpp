@@ -78,7 +78,7 @@ Items frozen_vertices(const Part& p) {
     const Vec3 x = p.x(v);
     const SymTensor& l = p.metric.log_at[v];
     out.insert(
-        {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v] & ~(kHindered | kHeld))});
+        {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v] & ~(kBesideFrozen | kRetry))});
   }
   return out;
 }
@@ -311,7 +311,7 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
     metric.size = {0.06, 0.06, 0.06};
     Part p = make_part({.n = 4, .perturb = 0.2}, metric);
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
-      p.mesh.vert_flags[v] |= kHeld | kHindered;  // of an earlier round
+      p.mesh.vert_flags[v] |= kRetry | kBesideFrozen;  // of an earlier round
       if (frozen && p.x(v).x == 0) p.mesh.vert_flags[v] |= kFrozen;
     }
     adapt_part(p);
@@ -330,12 +330,12 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
       for (const VertId w : v) of_bad[w] = 1;
       if (!p.has_any(t, kFrozen)) continue;
       ++bad;
-      for (const VertId w : v) EXPECT_TRUE(p.mesh.has(w, kHeld));
+      for (const VertId w : v) EXPECT_TRUE(p.mesh.has(w, kRetry));
     }
     EXPECT_EQ(bad > 0, frozen);
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
-      EXPECT_TRUE(!p.mesh.has(v, kHeld) || (frozen && of_bad[v] != 0));
-      EXPECT_EQ(p.mesh.has(v, kHindered), p.mesh.is_live(v) && of_poor[v] != 0);
+      EXPECT_TRUE(!p.mesh.has(v, kRetry) || (frozen && of_bad[v] != 0));
+      EXPECT_EQ(p.mesh.has(v, kBesideFrozen), p.mesh.is_live(v) && of_poor[v] != 0);
     }
   }
 }

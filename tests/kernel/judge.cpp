@@ -89,13 +89,13 @@ Change change(const Snapshot& before, const Part& after, VertId moved) {
       c.gone.push_back(t);
       const double q3 = quality_cubed_of(before.mesh, before.metric, t, before.careful);
       c.old_min = std::min(c.old_min, q3);
-      c.old_burden += burden(q3);
+      c.old_sum += inverse_sixth_power(q3);
     }
     if (lives) {
       c.fresh.push_back(t);
       const double q3 = quality_cubed_of(after.mesh, after.metric, t, after.careful);
       c.new_min = std::min(c.new_min, q3);
-      c.new_burden += burden(q3);
+      c.new_sum += inverse_sixth_power(q3);
     }
   }
   return c;

@@ -24,7 +24,7 @@ std::string differ(const Snapshot& before, const Part& after);
 struct Change {
   std::vector<TetId> gone, fresh;
   double old_min = 1, new_min = 1;
-  double old_burden = 0, new_burden = 0;
+  double old_sum = 0, new_sum = 0;
 };
 /// Tetrahedra at vertex `moved` count as replaced by themselves.
 Change change(const Snapshot& before, const Part& after, VertId moved = kNoVert);

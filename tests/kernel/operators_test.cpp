@@ -115,7 +115,7 @@ class Bench {
         return along_axes(a);
       case 9:
       case 10:
-        return lighten(t, a, b, static_cast<int>(random_() % 3));
+        return reduce_sum(t, a, b, static_cast<int>(random_() % 3));
       case 11:
         return collapse_to_improve(t, a, b);
       default:
@@ -352,15 +352,15 @@ class Bench {
     return c.new_min > c.old_min ? "" : say("axes", "the worst element did not get better");
   }
   /// One of the operators that lessen the sum of burdens.
-  std::string lighten(TetId t, VertId a, VertId b, int which) {
+  std::string reduce_sum(TetId t, VertId a, VertId b, int which) {
     const auto did = [&](double max_length, double floor_q3) {
-      return which == 0   ? collapse_.collapse_to_lighten(a, b, t, max_length, floor_q3)
-             : which == 1 ? swap_.edge_to_lighten(t, a, b, floor_q3)
-                          : smooth_.move_to_lighten(a, floor_q3);
+      return which == 0   ? collapse_.collapse_to_reduce_sum(a, b, t, max_length, floor_q3)
+             : which == 1 ? swap_.edge_to_reduce_sum(t, a, b, floor_q3)
+                          : smooth_.move_to_reduce_sum(a, floor_q3);
     };
-    return lessen("lighten", a, which == 2 ? a : kNoVert, 0.999, did, [&](const Snapshot&, const Change& c) {
-      const bool less = c.new_burden < c.old_burden;
-      return less ? "" : fmt::format("from {} to {} by operator {}", c.old_burden, c.new_burden, which);
+    return lessen("reduce_sum", a, which == 2 ? a : kNoVert, 0.999, did, [&](const Snapshot&, const Change& c) {
+      const bool less = c.new_sum < c.old_sum;
+      return less ? "" : fmt::format("from {} to {} by operator {}", c.old_sum, c.new_sum, which);
     });
   }
 
@@ -403,7 +403,7 @@ double error_after_moves(Part& part, const SmoothMetric& field, bool anchored) {
     for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
       smooth.move(v);
       smooth.move_to_relax(v, 0);
-      smooth.move_to_lighten(v, 0);
+      smooth.move_to_reduce_sum(v, 0);
     }
   }
   double worst = 0;

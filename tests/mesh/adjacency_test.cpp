@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
+#include "base/error.hpp"
 #include "mesh/check.hpp"
-#include "mesh/error.hpp"
 #include "tests/mesh/meshes.hpp"
 
 namespace skein::test {

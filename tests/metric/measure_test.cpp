@@ -76,7 +76,7 @@ TEST(Quality, DoesNotHangOnTheOrderOfEquallyStrictMetrics) {
   const auto turned = [](double xy, double xz) {
     VertMetric m = vert_metric({5, xy, 5, xz, 0, 4});
     m.sqrt_det = 3;
-    m.rank = rank_of(m.m, 3);
+    m.order_key = order_key_of(m.m, 3);
     return m;
   };
   const std::array<VertMetric, 4> m{turned(2, 1), turned(-2, 1), turned(2, -1), turned(-2, -1)};

@@ -1,15 +1,14 @@
 // The phase log: sums over ranks, balance, and the JSON made of it.
-#include "report/phase_log.hpp"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "base/text.hpp"
 #include "comm/exchange.hpp"
+#include "comm/phase_log.hpp"
 #include "report/json.hpp"
-#include "report/text.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein {

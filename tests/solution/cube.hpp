@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "partition/dist_mesh.hpp"
+#include "dist/dist_mesh.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

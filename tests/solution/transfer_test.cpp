@@ -5,9 +5,9 @@
 
 #include "adapt/adapt.hpp"
 #include "comm/file.hpp"
+#include "comm/phase_log.hpp"
+#include "dist/distribute.hpp"
 #include "mesh/adjacency.hpp"
-#include "partition/distribute.hpp"
-#include "report/phase_log.hpp"
 #include "tests/solution/cube.hpp"
 
 namespace skein {

@@ -1,0 +1,307 @@
+// Feature edges and corners in distribute(): from the file and from the shape of the tagged faces.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "dist/distribute_steps.hpp"
+#include "dist/feature_scan.hpp"
+#include "dist/sharing.hpp"
+
+namespace skein::distributing {
+namespace {
+
+double cos_degrees(double angle) noexcept { return std::cos(angle * std::numbers::pi / 180); }
+
+/// An edge of one tagged face.
+struct FaceEdge {
+  GlobalId a, b;  ///< a < b
+  Vec3 normal;    ///< unit
+  Vec3 along;     ///< unit, from a to b
+  std::int32_t patch;
+  std::int32_t forward;  ///< 1 when the face, counter-clockwise, runs from a to b
+};
+/// A feature edge, as seen from one end.
+struct FeatureEnd {
+  GlobalId v, other;
+  Vec3 along;  ///< unit, from v to other
+  std::int32_t ref;
+  std::uint8_t ridge;
+  std::uint8_t given;  ///< by the file
+  std::uint16_t unused;
+};
+/// A tagged face at vertex v.
+struct FaceCorner {
+  GlobalId v, b, c;
+};
+
+template <class T>
+struct Mail {
+  std::vector<Rank> dest;
+  std::vector<T> items;
+  void add(Rank r, const T& item) {
+    dest.push_back(r);
+    items.push_back(item);
+  }
+  [[nodiscard]] std::vector<T> send(const Comm& comm) const { return exchange_items(comm, dest, items).items; }
+};
+
+/// The edges and corners of tagged faces, each to the rank that will see all of its kind: this one if one of its
+/// vertices is not shared.
+void send_surface(const FileSource& src, const Growing& g, std::vector<FaceEdge>& edges,
+                  std::vector<FaceCorner>& corners) {
+  const TetMesh& m = g.dist.mesh;
+  const auto& gid = g.dist.vert2gid;
+  const int ranks = src.comm.size();
+  Mail<FaceEdge> edge_mail;
+  Mail<FaceCorner> corner_mail;
+  for (const FaceId f : g.speakers) {
+    const auto v = face_verts(m, f);
+    const Vec3 normal = normalized(cross(m.coords[v[1]] - m.coords[v[0]], m.coords[v[2]] - m.coords[v[0]]));
+    const int patch = tag_patch(m.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      VertId a = v[k], b = v[(k + 1) % 3];
+      corner_mail.add(g.many[a] != 0 ? meeting_rank(gid[a], ranks) : src.comm.rank(),
+                      {gid[a], gid[b], gid[v[(k + 2) % 3]]});
+      const bool forward = gid[a] < gid[b];
+      if (!forward) std::swap(a, b);
+      edge_mail.add(g.many[a] != 0 && g.many[b] != 0 ? meeting_rank(gid[a], ranks) : src.comm.rank(),
+                    {gid[a], gid[b], normal, normalized(m.coords[b] - m.coords[a]), patch, forward ? 1 : 0});
+    }
+  }
+  edges = edge_mail.send(src.comm);
+  corners = corner_mail.send(src.comm);
+}
+
+void add_both_ends(Mail<FeatureEnd>& mail, int ranks, GlobalId a, GlobalId b, Vec3 along, std::int32_t ref, bool ridge,
+                   bool given) {
+  const auto r = static_cast<std::uint8_t>(ridge ? 1 : 0), f = static_cast<std::uint8_t>(given ? 1 : 0);
+  mail.add(meeting_rank(a, ranks), {a, b, along, ref, r, f, 0});
+  mail.add(meeting_rank(b, ranks), {b, a, -1 * along, ref, r, f, 0});
+}
+
+/// Ridges by the shape of the surface.
+void find_ridges(const FileSource& src, std::vector<FaceEdge> edges, Mail<FeatureEnd>& mail) {
+  const double flat = cos_degrees(src.options.ridge_angle);
+  std::sort(edges.begin(), edges.end(), [](const FaceEdge& e, const FaceEdge& f) {
+    return std::tie(e.a, e.b, e.patch) < std::tie(f.a, f.b, f.patch);
+  });
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t j = i + 1;
+    while (j < edges.size() && edges[j].a == edges[i].a && edges[j].b == edges[i].b) ++j;
+    const FaceEdge &e = edges[i], &f = edges[j - 1];
+    // Where both run the same way along the edge, one is seen from its back (internal faces have no outside).
+    const double turn = e.forward != f.forward ? 1 : -1;
+    if (j - i != 2 || e.patch != f.patch || turn * dot(e.normal, f.normal) < flat)
+      add_both_ends(mail, src.comm.size(), e.a, e.b, e.along, 0, true, false);
+    i = j;
+  }
+}
+
+/// The edges of the file; their directions from the owners of the vertices.
+void add_given_edges(const FileSource& src, Mail<FeatureEnd>& mail) {
+  const auto& list = src.file.edges;
+  std::vector<GlobalId> ends;
+  std::vector<Rank> dest;
+  for (const auto& e : list.verts) {
+    for (const GlobalId v : e) {
+      ends.push_back(v);
+      dest.push_back(src.vert_blocks.owner(num(v)));
+    }
+  }
+  const Inquiry<GlobalId> inquiry(src.comm, dest, ends);
+  std::vector<Vec3> answers;
+  for (const GlobalId v : inquiry.asked().items)
+    answers.push_back(src.file.coords[static_cast<std::size_t>(num(v) - src.file.first_vert)]);
+  const auto x = inquiry.answer(answers);
+  for (std::size_t i = 0; i < list.verts.size(); ++i) {
+    const auto [a, b] = list.verts[i];
+    if (a == b) continue;
+    add_both_ends(mail, src.comm.size(), a, b, normalized(x[2 * i + 1] - x[2 * i]), list.ref[i],
+                  src.edge_is_ridge[i] != 0, true);
+  }
+}
+
+/// The features at each vertex that meets here, each edge once, ascending by (v, other).
+std::vector<FeatureEnd> merge_ends(std::vector<FeatureEnd> ends) {
+  std::sort(ends.begin(), ends.end(), [](const FeatureEnd& e, const FeatureEnd& f) {
+    return std::tuple(e.v, e.other, -e.given, e.ref, e.ridge) < std::tuple(f.v, f.other, -f.given, f.ref, f.ridge);
+  });
+  std::vector<FeatureEnd> out;
+  for (const auto& e : ends) {
+    if (!out.empty() && out.back().v == e.v && out.back().other == e.other) {
+      out.back().ridge |= e.ridge;
+    } else {
+      out.push_back(e);
+    }
+  }
+  return out;
+}
+
+/// Vertices (ascending, each once) where the tagged faces are more than one fan.
+std::vector<GlobalId> split_fans(std::vector<FaceCorner> corners) {
+  std::sort(corners.begin(), corners.end(),
+            [](const FaceCorner& a, const FaceCorner& b) { return std::tie(a.v, a.b, a.c) < std::tie(b.v, b.b, b.c); });
+  std::vector<GlobalId> out, rim;
+  std::vector<std::size_t> parent;
+  const auto root = [&](std::size_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (std::size_t i = 0; i < corners.size();) {
+    std::size_t j = i;
+    rim.clear();
+    for (; j < corners.size() && corners[j].v == corners[i].v; ++j) {
+      rim.push_back(corners[j].b);
+      rim.push_back(corners[j].c);
+    }
+    std::sort(rim.begin(), rim.end());
+    rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+    parent.resize(rim.size());
+    for (std::size_t k = 0; k < rim.size(); ++k) parent[k] = k;
+    std::size_t fans = rim.size();
+    const auto place = [&](GlobalId g) {
+      return root(static_cast<std::size_t>(std::lower_bound(rim.begin(), rim.end(), g) - rim.begin()));
+    };
+    for (std::size_t k = i; k < j; ++k) {
+      const std::size_t b = place(corners[k].b), c = place(corners[k].c);
+      if (b == c) continue;
+      parent[b] = c;
+      --fans;
+    }
+    if (fans > 1) out.push_back(corners[i].v);
+    i = j;
+  }
+  return out;
+}
+
+/// kRidge and kCorner of a vertex by the features at it.
+std::uint8_t flags_by_features(std::span<const FeatureEnd> at, double straight) noexcept {
+  if (at.empty()) return 0;
+  const bool corner = at.size() != 2 || at[0].ref != at[1].ref || at[0].ridge != at[1].ridge ||
+                      dot(at[0].along, at[1].along) > -straight;
+  return static_cast<std::uint8_t>(kRidge | (corner ? kCorner : 0));
+}
+
+std::span<const FeatureEnd> features_at(const std::vector<FeatureEnd>& ends, GlobalId v) {
+  const auto less = [](const FeatureEnd& e, GlobalId g) { return e.v < g; };
+  const auto first = std::lower_bound(ends.begin(), ends.end(), v, less);
+  auto last = first;
+  while (last != ends.end() && last->v == v) ++last;
+  return {first, last};
+}
+
+struct Feature {
+  GlobalId a, b;
+  std::int32_t ref, ridge;
+};
+
+/// Asks for the features at all vertices that may have some; sets the vertex flags. Gives the features at them.
+std::vector<Feature> ask_features(const FileSource& src, Growing& g, const std::vector<FeatureEnd>& ends) {
+  TetMesh& m = g.dist.mesh;
+  std::vector<GlobalId> questions;
+  std::vector<VertId> verts;
+  std::vector<Rank> dest;
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    if (!m.has(v, kSurface | kRidge)) continue;
+    verts.push_back(v);
+    questions.push_back(g.dist.vert2gid[v]);
+    dest.push_back(meeting_rank(g.dist.vert2gid[v], src.comm.size()));
+  }
+  const Inquiry<GlobalId> inquiry(src.comm, dest, questions);
+  const double straight = cos_degrees(src.options.corner_angle);
+  const auto& asked = inquiry.asked();
+  std::vector<std::uint8_t> flags;
+  Mail<Feature> mail;
+  for (std::size_t b = 0; b < asked.blocks(); ++b) {
+    for (const GlobalId v : asked.block(b)) {
+      const auto at = features_at(ends, v);
+      flags.push_back(flags_by_features(at, straight));
+      for (const auto& e : at) {
+        if (e.v < e.other) mail.add(asked.rank[b], {e.v, e.other, e.ref, e.ridge});
+      }
+    }
+  }
+  const auto answer = inquiry.answer(flags);
+  for (std::size_t i = 0; i < verts.size(); ++i)
+    m.vert_flags[verts[i]] = static_cast<std::uint8_t>((m.vert_flags[verts[i]] & ~kRidge) | answer[i]);
+  return mail.send(src.comm);
+}
+
+/// Keeps the features that are edges of tetrahedra here.
+void keep_local_features(Growing& g, const std::vector<Feature>& features) {
+  TetMesh& m = g.dist.mesh;
+  for (const auto& f : features) {
+    const VertId a = g.gid2vert.find(f.a), b = g.gid2vert.find(f.b);
+    if (a != kNoVert && b != kNoVert) m.features.insert(std::min(a, b), std::max(a, b), f.ref, f.ridge != 0);
+  }
+  std::vector<char> used(m.features.size(), 0);
+  for_each_feature(m, [&](TetId, std::uint32_t edge) { used[edge] = 1; });
+  FeatureEdges kept;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const FeatureEdge& e = m.features.list()[i];
+    if (used[i] != 0) kept.insert(e.a, e.b, e.ref, e.ridge);
+  }
+  m.features = std::move(kept);
+}
+
+/// Features that no rank has kept.
+std::int64_t count_lost(const FileSource& src, const Growing& g, const std::vector<FeatureEnd>& ends) {
+  struct Pair {
+    GlobalId a, b;
+    auto operator<=>(const Pair&) const = default;
+  };
+  Mail<Pair> mail;
+  for (const auto& e : g.dist.mesh.features.list()) {
+    const auto [a, b] = std::minmax(g.dist.vert2gid[e.a], g.dist.vert2gid[e.b]);
+    mail.add(meeting_rank(a, src.comm.size()), {a, b});
+  }
+  auto kept = mail.send(src.comm);
+  std::sort(kept.begin(), kept.end());
+  std::int64_t lost = 0;
+  for (const auto& e : ends) {
+    if (e.v < e.other && !std::binary_search(kept.begin(), kept.end(), Pair{e.v, e.other})) ++lost;
+  }
+  return src.comm.sum(lost);
+}
+
+}  // namespace
+
+void find_features(const FileSource& src, Growing& g, DistributeReport& report) {
+  std::vector<FaceEdge> edges;
+  std::vector<FaceCorner> corners;
+  send_surface(src, g, edges, corners);
+  Mail<FeatureEnd> mail;
+  find_ridges(src, std::move(edges), mail);
+  add_given_edges(src, mail);
+  const auto ends = merge_ends(mail.send(src.comm));
+  keep_local_features(g, ask_features(src, g, ends));
+  // The fans at an unshared vertex have met on its rank; those at a shared one on its meeting rank.
+  const auto fans = split_fans(std::move(corners));
+  report.lost_edges = count_lost(src, g, ends);
+  std::int64_t found = 0;
+  for (const auto& e : ends) found += e.v < e.other && e.given == 0 ? 1 : 0;
+  report.found_ridges = src.comm.sum(found);
+  std::vector<GlobalId> questions;
+  std::vector<VertId> verts;
+  std::vector<Rank> dest;
+  for (const VertId v : g.dist.sharing.vert) {
+    verts.push_back(v);
+    questions.push_back(g.dist.vert2gid[v]);
+    dest.push_back(meeting_rank(g.dist.vert2gid[v], src.comm.size()));
+  }
+  const Inquiry<GlobalId> inquiry(src.comm, dest, questions);
+  std::vector<std::uint8_t> is_split;
+  for (const GlobalId v : inquiry.asked().items)
+    is_split.push_back(std::binary_search(fans.begin(), fans.end(), v) ? 1 : 0);
+  const auto answer = inquiry.answer(is_split);
+  for (std::size_t i = 0; i < verts.size(); ++i) {
+    if (answer[i] != 0) g.dist.mesh.vert_flags[verts[i]] |= kCorner;
+  }
+  for (const GlobalId v : fans) {
+    const VertId here = g.gid2vert.find(v);
+    if (here != kNoVert) g.dist.mesh.vert_flags[here] |= kCorner;
+  }
+}
+
+}  // namespace skein::distributing

@@ -1,0 +1,303 @@
+// First steps of distribute(): checks of the slices, and tetrahedra to their ranks with their vertices.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/hilbert.hpp"
+#include "dist/distribute_steps.hpp"
+#include "mesh/predicates.hpp"
+#include "partition/hilbert.hpp"
+
+namespace skein::distributing {
+
+Rank Blocks::owner(std::int64_t i) const noexcept {
+  return to_id<Rank>(std::upper_bound(first_.begin(), first_.end(), i) - first_.begin() - 1);
+}
+
+namespace {
+
+void check_fields(const FileSource& src) {
+  agree(src.comm, [&] {
+    const FieldSlice* f = src.fields;
+    if (f == nullptr) return;
+    if (f->total != src.file.total_verts)
+      throw Error(ExitCode::kInput, fmt::format("{}: values at {} vertices, but {} has {}", f->path, f->total,
+                                                src.file.path, src.file.total_verts));
+    if (f->first != src.file.first_vert ||
+        f->values.size() != src.file.coords.size() * static_cast<std::size_t>(f->width))
+      throw Error(ExitCode::kInternal, "distribute: the slices of mesh and fields differ");
+  });
+}
+
+template <std::size_t N>
+void check_entities(const FileSource& src, const EntitySlice<N>& list, const std::string& name, bool all_differ) {
+  std::vector<Offence> outside, repeated;
+  for (std::size_t i = 0; i < list.verts.size(); ++i) {
+    const auto& v = list.verts[i];
+    bool in = true, twice = false;
+    for (std::size_t a = 0; a < N; ++a) {
+      in = in && num(v[a]) >= 0 && num(v[a]) < src.file.total_verts;
+      for (std::size_t b = 0; b < a; ++b) twice = twice || v[a] == v[b];
+    }
+    if (in && !(twice && all_differ)) continue;
+    Offence o{list.first + static_cast<std::int64_t>(i), -1, {kNoGlobal, kNoGlobal, kNoGlobal, kNoGlobal}};
+    std::copy_n(v.begin(), N, o.verts.begin());
+    (in ? repeated : outside).push_back(o);
+  }
+  refuse(src, outside, name + " with a vertex number that is not in the file", "check how the file was written");
+  refuse(src, repeated, name + " with a repeated vertex", "remove them");
+}
+
+void check_coordinates(const FileSource& src) {
+  std::vector<Offence> bad;
+  for (std::size_t i = 0; i < src.file.coords.size(); ++i) {
+    if (!is_finite(src.file.coords[i])) bad.push_back({src.file.first_vert + static_cast<std::int64_t>(i), -1});
+  }
+  refuse(src, bad, "vertices whose coordinates are not finite", "check how the file was written");
+}
+
+/// A mark for one item of a list that another rank may own.
+struct Mark {
+  std::int64_t item;
+  std::uint8_t bits;
+};
+
+/// Collective. The marks, joined, of the local items first .. first + n - 1.
+std::vector<std::uint8_t> deliver_marks(const Comm& comm, const Blocks& blocks, std::int64_t first, std::size_t n,
+                                        const std::vector<Mark>& marks) {
+  std::vector<Rank> dest(marks.size());
+  std::vector<std::int64_t> items(marks.size());
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    dest[i] = blocks.owner(marks[i].item);
+    items[i] = marks[i].item << 8 | marks[i].bits;
+  }
+  std::vector<std::uint8_t> out(n, 0);
+  for (const std::int64_t m : exchange_items(comm, dest, items).items) {
+    const auto at = static_cast<std::size_t>((m >> 8) - first);
+    if (at < n) out[at] = static_cast<std::uint8_t>(out[at] | (m & 0xff));
+  }
+  return out;
+}
+
+void mark_list(const VertexListSlice& list, std::int64_t total, std::uint8_t bits, std::vector<Mark>& marks) {
+  for (const GlobalId g : list.verts) {
+    if (num(g) >= 0 && num(g) < total) marks.push_back({num(g), bits});
+  }
+}
+
+void deliver_vertex_flags(FileSource& src, const std::vector<std::uint8_t>& edge_required) {
+  const MeshSlice& f = src.file;
+  std::vector<Mark> marks;
+  mark_list(f.corners, f.total_verts, kCorner, marks);
+  mark_list(f.required_verts, f.total_verts, kRequired, marks);
+  for (const auto& tri : f.triangles.verts) {
+    for (const GlobalId v : tri) marks.push_back({num(v), kSurface});
+  }
+  for (std::size_t i = 0; i < f.edges.verts.size(); ++i) {
+    const auto bits = static_cast<std::uint8_t>(kRidge | (edge_required[i] != 0 ? kRequired : 0));
+    for (const GlobalId v : f.edges.verts[i]) marks.push_back({num(v), bits});
+  }
+  src.vert_flags = deliver_marks(src.comm, src.vert_blocks, f.first_vert, f.coords.size(), marks);
+}
+
+}  // namespace
+
+FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
+                       const DistributeOptions& options) {
+  FileSource src{comm, file, fields, options, Blocks(comm, file.first_vert), {}, {}, {}};
+  check_fields(src);
+  check_coordinates(src);
+  check_entities(src, file.tets, "tetrahedra", true);
+  check_entities(src, file.triangles, "triangles", true);
+  check_entities(src, file.edges, "edges", false);
+  std::vector<Mark> marks;
+  mark_list(file.ridges, file.edges.total, 1, marks);
+  mark_list(file.required_edges, file.edges.total, 3, marks);
+  src.edge_is_ridge =
+      deliver_marks(comm, Blocks(comm, file.edges.first), file.edges.first, file.edges.verts.size(), marks);
+  auto edge_required = src.edge_is_ridge;
+  for (auto& e : edge_required) e = e >> 1 & 1;
+  for (auto& e : src.edge_is_ridge) e = e & 1;
+  marks.clear();
+  mark_list(file.required_triangles, file.triangles.total, 1, marks);
+  src.triangle_required =
+      deliver_marks(comm, Blocks(comm, file.triangles.first), file.triangles.first, file.triangles.verts.size(), marks);
+  deliver_vertex_flags(src, edge_required);
+  return src;
+}
+
+namespace {
+
+struct FileTet {
+  std::array<GlobalId, 4> verts;
+  std::uint64_t key;
+  std::int64_t number;
+  std::int64_t ref;
+};
+
+Inquiry<GlobalId> ask_vertices(const FileSource& src, const std::vector<GlobalId>& gids) {
+  std::vector<Rank> dest(gids.size());
+  for (std::size_t i = 0; i < gids.size(); ++i) dest[i] = src.vert_blocks.owner(num(gids[i]));
+  return {src.comm, dest, gids};
+}
+std::size_t local(const FileSource& src, GlobalId g) noexcept {
+  return static_cast<std::size_t>(num(g) - src.file.first_vert);
+}
+
+/// A vertex as a tetrahedron's destination depends on it.
+struct Site {
+  Vec3 x;
+  double trace;  ///< of the log-metric
+};
+
+/// The slice's tetrahedra with their Hilbert keys, and the rank of each.
+std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
+  const auto& tets = src.file.tets;
+  const bool metric = src.options.work_from_metric && src.fields != nullptr && src.fields->width >= 6;
+  GidMap gids(tets.verts.size() / 4 + 16, src.file.total_verts);
+  std::vector<std::array<VertId, 4>> verts(tets.verts.size());
+  for (std::size_t i = 0; i < verts.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) verts[i][k] = gids.insert(tets.verts[i][k]);
+  }
+  const auto inquiry = ask_vertices(src, gids.gids());
+  std::vector<Site> answers;
+  answers.reserve(inquiry.asked().items.size());
+  for (const GlobalId g : inquiry.asked().items) {
+    const std::size_t v = local(src, g);
+    const double* l = metric ? src.fields->values.data() + v * static_cast<std::size_t>(src.fields->width) : nullptr;
+    answers.push_back({src.file.coords[v], metric ? l[0] + l[2] + l[5] : 0});
+  }
+  const auto sites = inquiry.answer(answers);
+  const Box box = global_box(src.comm, src.file.coords);
+  std::vector<Vec3> centre(verts.size());
+  std::vector<double> work(verts.size(), 1.0);
+  for (std::size_t i = 0; i < verts.size(); ++i) {
+    std::array<Site, 4> s;
+    for (std::size_t k = 0; k < 4; ++k) s[k] = sites[idx(verts[i][k])];
+    centre[i] = 0.25 * (s[0].x + s[1].x + s[2].x + s[3].x);
+    if (metric) {  // about predicted_elements()
+      const double w = 10 * std::exp(0.125 * (s[0].trace + s[1].trace + s[2].trace + s[3].trace)) *
+                       std::abs(volume6(s[0].x, s[1].x, s[2].x, s[3].x)) / 6;
+      if (std::isfinite(w)) work[i] += w;
+    }
+  }
+  std::vector<std::uint64_t> keys(verts.size());
+  hilbert_keys(centre, box, keys);
+  const auto part = cut_keys(src.comm, keys, work, src.comm.size());
+  dest.resize(part.size());
+  std::transform(part.begin(), part.end(), dest.begin(), rank_of);
+  centre = {}, work = {};  // before the largest array is made
+  std::vector<FileTet> out(verts.size());
+  for (std::size_t i = 0; i < verts.size(); ++i) {
+    out[i] = {tets.verts[i], keys[i], tets.first + static_cast<std::int64_t>(i), tets.ref[i]};
+  }
+  return out;
+}
+
+/// Sends the tetrahedra and makes a mesh of what comes, in Hilbert order, without vertex values.
+Growing gather_tets(const FileSource& src) {
+  Packets<FileTet> got;
+  {
+    std::vector<Rank> dest;
+    auto tets = plan(src, dest);
+    got = exchange(src.comm, pack(std::span<const Rank>(dest), std::move(tets)));
+  }
+  std::vector<KeyIndex> order(got.items.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = {got.items[i].key, static_cast<std::uint32_t>(i)};
+  radix_sort(order);
+  Growing g;
+  TetMesh& m = g.dist.mesh;
+  g.gid2vert = GidMap(order.size() / 4 + 16, src.file.total_verts);
+  m.tet2vert.resize(order.size());
+  m.tet_ref.resize(order.size());
+  g.tet_number.resize(order.size());
+  for (const TetId t : IdRange<TetId>(order.size())) {
+    const FileTet& in = got.items[order[idx(t)].index];
+    for (std::size_t k = 0; k < 4; ++k) m.tet2vert[t][k] = g.gid2vert.insert(in.verts[k]);
+    m.tet_ref[t] = static_cast<std::int32_t>(in.ref);
+    g.tet_number[t] = in.number;
+  }
+  return g;
+}
+
+struct FileVert {
+  Vec3 x;
+  std::int32_t ref;
+  std::uint8_t flags;
+  std::uint8_t many;
+  std::uint16_t unused;
+};
+
+void fetch_vertices(const FileSource& src, Growing& g, DistributeReport& report) {
+  const auto inquiry = ask_vertices(src, g.gid2vert.gids());
+  const auto& asked = inquiry.asked().items;
+  std::vector<std::uint8_t> asks(src.file.coords.size(), 0);
+  for (const GlobalId a : asked) asks[local(src, a)] = asks[local(src, a)] == 0 ? 1 : 2;
+  report.unused_verts = src.comm.sum(static_cast<std::int64_t>(std::count(asks.begin(), asks.end(), 0)));
+  std::vector<FileVert> answers;
+  answers.reserve(asked.size());
+  for (const GlobalId a : asked) {
+    const std::size_t v = local(src, a);
+    const auto many = static_cast<std::uint8_t>(asks[v] > 1 ? 1 : 0);
+    answers.push_back({src.file.coords[v], src.file.vert_ref[v], src.vert_flags[v], many, 0});
+  }
+  const auto verts = inquiry.answer(answers);
+  TetMesh& m = g.dist.mesh;
+  m.coords.resize(verts.size());
+  m.vert_ref.resize(verts.size());
+  m.vert_flags.resize(verts.size());
+  g.many.resize(verts.size());
+  for (const VertId v : IdRange<VertId>(verts.size())) {
+    const FileVert& in = verts[idx(v)];
+    m.coords[v] = in.x;
+    m.vert_ref[v] = in.ref;
+    m.vert_flags[v] = in.flags;
+    g.many[v] = in.many;
+  }
+  g.dist.vert2gid = IdVector<VertId, GlobalId>(g.gid2vert.gids());
+  if (src.fields == nullptr) return;
+  const auto width = static_cast<std::size_t>(src.fields->width);
+  std::vector<double> values(asked.size() * width);
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    std::copy_n(src.fields->values.data() + local(src, asked[i]) * width, width, values.data() + i * width);
+  g.dist.data.width = src.fields->width;
+  g.dist.data.values = inquiry.answer(values, width);
+}
+
+/// Turns all tetrahedra if all are inverted; refuses flat ones and those that differ from the most.
+void check_orientation(const FileSource& src, Growing& g, DistributeReport& report) {
+  TetMesh& m = g.dist.mesh;
+  IdVector<TetId, std::int8_t> sign(m.tet_slots());
+  std::array<std::int64_t, 3> count{};  // negative, flat, positive
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    const auto& v = m.tet2vert[t];
+    sign[t] = static_cast<std::int8_t>(orient3d_sign(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]));
+    ++count[static_cast<std::size_t>(sign[t] + 1)];
+  }
+  src.comm.reduce(std::span<std::int64_t>(count), Op::kSum);
+  const int good = count[0] > count[2] ? -1 : 1;
+  std::vector<Offence> bad;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (sign[t] == good) continue;
+    const auto& v = m.tet2vert[t];
+    const auto& gid = g.dist.vert2gid;
+    bad.push_back({g.tet_number[t], -1, {gid[v[0]], gid[v[1]], gid[v[2]], gid[v[3]]}});
+  }
+  refuse(src, bad, "inverted or flat tetrahedra", "repair the mesh (all tetrahedra need the same orientation)");
+  report.flipped = good < 0;
+  if (good > 0) return;
+  for (auto& v : m.tet2vert) std::swap(v[0], v[1]);
+}
+
+}  // namespace
+
+Growing place_tets(const FileSource& src, DistributeReport& report) {
+  Growing g = gather_tets(src);
+  fetch_vertices(src, g, report);
+  check_orientation(src, g, report);
+  return g;
+}
+
+}  // namespace skein::distributing

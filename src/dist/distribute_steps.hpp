@@ -1,0 +1,62 @@
+// The steps of distribute(); private to it.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "dist/distribute.hpp"
+#include "dist/rendezvous.hpp"
+
+namespace skein::distributing {
+
+/// Where the items of a list lie, when the ranks have consecutive blocks of it.
+class Blocks {
+ public:
+  Blocks() = default;
+  /// Collective.
+  Blocks(const Comm& comm, std::int64_t first) : first_(comm.all_gather(first)) {}
+  [[nodiscard]] Rank owner(std::int64_t i) const noexcept;
+
+ private:
+  std::vector<std::int64_t> first_;  ///< by rank, ascending
+};
+
+/// The file's slices and what their owners have been told about them.
+struct FileSource {
+  const Comm& comm;
+  const MeshSlice& file;
+  const FieldSlice* fields;
+  const DistributeOptions& options;
+  Blocks vert_blocks;
+  std::vector<std::uint8_t> vert_flags;         ///< kSurface: on a triangle; kRidge: on an edge; kCorner; kRequired
+  std::vector<std::uint8_t> edge_is_ridge;      ///< by local edge
+  std::vector<std::uint8_t> triangle_required;  ///< by local triangle
+};
+
+/// The mesh as it grows.
+struct Growing {
+  DistMesh dist;
+  GidMap gid2vert{0};
+  IdVector<TetId, std::int64_t> tet_number;  ///< in the file, from 0
+  IdVector<VertId, std::uint8_t> many;       ///< 1 when other ranks have this vertex, too
+  std::vector<FaceId> speakers;              ///< tagged faces; of the two sides of an internal one, over all ranks, one
+};
+
+/// Something in the file that is wrong.
+struct Offence {
+  std::int64_t number = -1;  ///< entity, from 0
+  std::int64_t other = -1;   ///< a second entity of the same kind, or -1
+  std::array<GlobalId, 4> verts{kNoGlobal, kNoGlobal, kNoGlobal, kNoGlobal};
+};
+/// Collective. If any rank has offences: throws Error(kInvalidMesh) on all ranks, "path: what: numbers (n in all), the
+/// first at ...; advice". Returns otherwise.
+void refuse(const FileSource& src, std::vector<Offence> offences, const std::string& what, const std::string& advice);
+
+// All collective, in this order.
+FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
+                       const DistributeOptions& options);
+Growing place_tets(const FileSource& src, DistributeReport& report);
+void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& report);
+void find_features(const FileSource& src, Growing& g, DistributeReport& report);
+
+}  // namespace skein::distributing

@@ -1,0 +1,23 @@
+// From the parts back to slices of a file.
+#pragma once
+#include <vector>
+
+#include "comm/comm.hpp"
+#include "dist/dist_mesh.hpp"
+#include "mesh/mesh_slice.hpp"
+
+namespace skein {
+
+/// Collective. What this rank writes of each entity list (`first` continues the lower ranks'; sizes differ). Vertices:
+/// those it owns (the lowest rank of a shared one), in local order. Tetrahedra: its own. Triangles: each tagged face
+/// once, with the patch's reference, counter-clockwise from outside; an internal one as seen from the region of lower
+/// reference outward. Edges: each feature edge once; ridges, corners, required vertices and triangles as lists.
+/// @pre dist is compact and reconciled.
+MeshSlice to_slices(const Comm& comm, const DistMesh& dist);
+
+/// Collective. The data numbers first_component, first_component+1, ... (as many as `kinds` have) of the vertices, in
+/// the order of to_slices().
+FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, int first_component,
+                           const std::vector<FieldKind>& kinds);
+
+}  // namespace skein

@@ -1,0 +1,255 @@
+// Meshes and comparisons for the tests of partition: cubes of cells cut into six tetrahedra, as slices of a file.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <random>
+#include <vector>
+
+#include "comm/comm.hpp"
+#include "comm/file.hpp"
+#include "dist/distribute.hpp"
+#include "dist/gather_slices.hpp"
+#include "dist/interface.hpp"
+#include "dist/migrate.hpp"
+#include "dist/reconcile.hpp"
+#include "mesh/check.hpp"
+#include "mesh/mesh_slice.hpp"
+#include "metric/tensor.hpp"
+
+namespace skein::test {
+
+/// A whole mesh, the same on every rank; numbers from 0.
+struct Whole {
+  std::vector<Vec3> coords;
+  std::vector<std::array<std::int64_t, 4>> tets;
+  std::vector<std::int32_t> tet_ref;
+  std::vector<std::array<std::int64_t, 3>> tris;
+  std::vector<std::int32_t> tri_ref;
+  std::vector<std::array<std::int64_t, 2>> edges;
+  std::vector<std::int32_t> edge_ref;
+  std::vector<std::int64_t> corners, ridges, required_verts, required_tris;
+};
+
+/// n^3 cells of the unit cube. Sides have references 1 to 6 (x=0, x=1, y=0, ...). With `regions`, cells with x >= 1/2
+/// have tetrahedron reference 2 and the rest 1, and the faces between have reference 7 if `internal`. @pre n even for
+/// regions
+inline Whole cube(int n, bool regions = false, bool internal = false) {
+  Whole w;
+  const int s = n + 1;
+  const auto at = [&](int i, int j, int k) { return (static_cast<std::int64_t>(k) * s + j) * s + i; };
+  for (int k = 0; k < s; ++k) {
+    for (int j = 0; j < s; ++j) {
+      for (int i = 0; i < s; ++i) w.coords.push_back({double(i) / n, double(j) / n, double(k) / n});
+    }
+  }
+  constexpr std::array<std::array<int, 3>, 6> order{{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+  for (int k = 0; k < n; ++k) {
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        for (std::size_t o = 0; o < 6; ++o) {
+          std::array<int, 3> p{i, j, k};
+          std::array<std::int64_t, 4> t{at(i, j, k)};
+          for (std::size_t a = 0; a < 3; ++a) {
+            ++p[static_cast<std::size_t>(order[o][a])];
+            t[a + 1] = at(p[0], p[1], p[2]);
+          }
+          const auto x = [&](std::size_t v) { return w.coords[static_cast<std::size_t>(t[v])]; };
+          if (volume6(x(0), x(1), x(2), x(3)) < 0) std::swap(t[2], t[3]);
+          w.tets.push_back(t);
+          w.tet_ref.push_back(regions && 2 * i >= n ? 2 : 1);
+        }
+      }
+    }
+  }
+  for (std::size_t t = 0; t < w.tets.size(); ++t) {
+    for (const auto& f : kFaceVerts) {
+      std::array<std::int64_t, 3> v;
+      std::array<Vec3, 3> x;
+      for (std::size_t c = 0; c < 3; ++c) {
+        v[c] = w.tets[t][static_cast<std::size_t>(f[c])];
+        x[c] = w.coords[static_cast<std::size_t>(v[c])];
+      }
+      const auto all = [&](double Vec3::*axis, double value) {
+        return x[0].*axis == value && x[1].*axis == value && x[2].*axis == value;
+      };
+      int ref = 0;
+      const std::array<double Vec3::*, 3> axes{&Vec3::x, &Vec3::y, &Vec3::z};
+      for (int a = 0; a < 3; ++a) {
+        if (all(axes[static_cast<std::size_t>(a)], 0)) ref = 2 * a + 1;
+        if (all(axes[static_cast<std::size_t>(a)], 1)) ref = 2 * a + 2;
+      }
+      if (ref == 0 && internal && w.tet_ref[t] == 1 && all(&Vec3::x, 0.5)) ref = 7;
+      if (ref == 0) continue;
+      w.tris.push_back(v);
+      w.tri_ref.push_back(ref);
+    }
+  }
+  return w;
+}
+
+template <std::size_t N>
+void cut(const Comm& comm, const std::vector<std::array<std::int64_t, N>>& all, const std::vector<std::int32_t>& ref,
+         EntitySlice<N>& out) {
+  out.total = static_cast<std::int64_t>(all.size());
+  const Slice s = even_slice(out.total, comm.rank(), comm.size());
+  out.first = s.first;
+  for (auto i = static_cast<std::size_t>(s.first); i < static_cast<std::size_t>(s.last); ++i) {
+    std::array<GlobalId, N> v;
+    for (std::size_t k = 0; k < N; ++k) v[k] = GlobalId{all[i][k]};
+    out.verts.push_back(v);
+    out.ref.push_back(ref[i]);
+  }
+}
+inline void cut(const Comm& comm, const std::vector<std::int64_t>& all, VertexListSlice& out) {
+  out.total = static_cast<std::int64_t>(all.size());
+  const Slice s = even_slice(out.total, comm.rank(), comm.size());
+  out.first = s.first;
+  for (std::int64_t i = s.first; i < s.last; ++i) out.verts.push_back(GlobalId{all[static_cast<std::size_t>(i)]});
+}
+
+/// This rank's even slices.
+inline MeshSlice slices(const Comm& comm, const Whole& w) {
+  MeshSlice m;
+  m.path = "cube.mesh";
+  m.total_verts = static_cast<std::int64_t>(w.coords.size());
+  const Slice s = even_slice(m.total_verts, comm.rank(), comm.size());
+  m.first_vert = s.first;
+  m.coords.assign(w.coords.begin() + s.first, w.coords.begin() + s.last);
+  for (std::int64_t v = s.first; v < s.last; ++v) m.vert_ref.push_back(static_cast<std::int32_t>(v % 5));
+  cut(comm, w.tets, w.tet_ref, m.tets);
+  cut(comm, w.tris, w.tri_ref, m.triangles);
+  cut(comm, w.edges, w.edge_ref, m.edges);
+  cut(comm, w.corners, m.corners);
+  cut(comm, w.ridges, m.ridges);
+  cut(comm, w.required_verts, m.required_verts);
+  cut(comm, w.required_tris, m.required_triangles);
+  return m;
+}
+
+/// A log-metric (6 numbers, sizes that fall with x) and one scalar x + 2 y + 4 z at the vertices of the slice.
+inline FieldSlice fields(const MeshSlice& m) {
+  FieldSlice f;
+  f.path = "cube.sol";
+  f.total = m.total_verts;
+  f.first = m.first_vert;
+  f.kinds = {FieldKind::kTensor, FieldKind::kScalar};
+  f.width = 7;
+  for (const Vec3 x : m.coords) {
+    const double l = 2 + 6 * x.x;
+    f.values.insert(f.values.end(), {l, 0, l, 0, 0, l, x.x + 2 * x.y + 4 * x.z});
+  }
+  return f;
+}
+
+/// Entities by coordinates: sorted, so that equal sets compare equal whatever the numbering.
+using Items = std::vector<std::vector<double>>;
+struct Content {
+  Items verts, tets, tris, edges, ridges, corners, required_verts, required_tris;
+  friend bool operator==(const Content&, const Content&) = default;
+};
+
+/// Collective. All ranks' slices as one Content (the same on every rank).
+inline Content content(const Comm& comm, const MeshSlice& m) {
+  const auto coords = comm.all_gather(m.coords);
+  const auto vert_ref = comm.all_gather(m.vert_ref);
+  const auto entities = [&]<std::size_t N>(const EntitySlice<N>& list) {
+    const auto verts = comm.all_gather(list.verts);
+    const auto ref = comm.all_gather(list.ref);
+    Items out;
+    for (std::size_t i = 0; i < verts.size(); ++i) {
+      std::array<std::array<double, 3>, N> x;
+      for (std::size_t k = 0; k < N; ++k) {
+        const Vec3 p = coords.at(idx(verts[i][k]));
+        x[k] = {p.x, p.y, p.z};
+      }
+      std::sort(x.begin(), x.end());
+      std::vector<double> item;
+      for (const auto& p : x) item.insert(item.end(), p.begin(), p.end());
+      item.push_back(ref[i]);
+      out.push_back(item);
+    }
+    return out;
+  };
+  const auto chosen = [&](const Items& of, const VertexListSlice& list) {
+    Items out;
+    for (const GlobalId g : comm.all_gather(list.verts)) out.push_back(of.at(idx(g)));
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  Content c;
+  for (std::size_t v = 0; v < coords.size(); ++v)
+    c.verts.push_back({coords[v].x, coords[v].y, coords[v].z, double(vert_ref.at(v))});
+  c.corners = chosen(c.verts, m.corners);
+  c.required_verts = chosen(c.verts, m.required_verts);
+  c.tets = entities(m.tets);
+  c.tris = entities(m.triangles);
+  c.required_tris = chosen(c.tris, m.required_triangles);
+  c.edges = entities(m.edges);
+  c.ridges = chosen(c.edges, m.ridges);
+  for (Items* i : {&c.verts, &c.tets, &c.tris, &c.edges}) std::sort(i->begin(), i->end());
+  return c;
+}
+
+/// Collective. Volume, area by patch reference, length of features: what no redistribution may change.
+struct Measure {
+  double volume = 0, feature_length = 0;
+  std::map<int, double> area;
+};
+inline Measure measure(const Comm& comm, const DistMesh& dist) {
+  Measure m;
+  m.volume = comm.sum(volume(dist.mesh));
+  const MeshSlice s = to_slices(comm, dist);
+  const auto coords = comm.all_gather(s.coords);
+  const auto tris = comm.all_gather(s.triangles.verts);
+  const auto refs = comm.all_gather(s.triangles.ref);
+  for (std::size_t i = 0; i < tris.size(); ++i) {
+    const Vec3 a = coords[idx(tris[i][0])], b = coords[idx(tris[i][1])], c = coords[idx(tris[i][2])];
+    m.area[refs[i]] += 0.5 * norm(cross(b - a, c - a));
+  }
+  for (const auto& e : comm.all_gather(s.edges.verts)) m.feature_length += norm(coords[idx(e[1])] - coords[idx(e[0])]);
+  return m;
+}
+
+/// Every tetrahedron to any rank.
+inline IdVector<TetId, Rank> scatter(const Comm& comm, const DistMesh& dist, unsigned seed) {
+  std::mt19937 random(seed * 1000 + static_cast<unsigned>(num(comm.rank())));
+  IdVector<TetId, Rank> dest(dist.mesh.tet_slots());
+  for (auto& r : dest) r = to_id<Rank>(random() % static_cast<unsigned>(comm.size()));
+  return dest;
+}
+
+/// Collective. What InterfaceRegion::displace gives, as a rank for each tetrahedron.
+inline IdVector<TetId, Rank> displace_interface(const Comm& comm, DistMesh& dist, int layers, int round,
+                                                GlobalId before = kEveryGlobal) {
+  IdVector<TetId, Rank> dest(dist.mesh.tet_slots(), comm.rank());
+  const Moves moves = InterfaceRegion(comm, dist, layers).displace(layers, round, before);
+  for (std::size_t i = 0; i < moves.tets.size(); ++i) dest[moves.tets[i]] = moves.to[i];
+  return dest;
+}
+
+/// Collective. What InterfaceRegion::mark_active does.
+inline bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, GlobalId before = kEveryGlobal) {
+  return InterfaceRegion(comm, dist, layers).mark_active(layers, before);
+}
+
+/// Collective. The whole mesh on all ranks with the log-metric log_metric(x) as data.
+template <class LogMetric>
+DistMesh with_metric(const Comm& comm, const Whole& whole, LogMetric&& log_metric) {
+  const MeshSlice file = slices(comm, whole);
+  FieldSlice f;
+  f.path = "cube.sol";
+  f.total = file.total_verts;
+  f.first = file.first_vert;
+  f.kinds = {FieldKind::kTensor};
+  f.width = 6;
+  for (const Vec3 x : file.coords) {
+    const SymTensor l = log_metric(x);
+    f.values.insert(f.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
+  }
+  return distribute(comm, file, &f);
+}
+
+}  // namespace skein::test
