@@ -89,7 +89,7 @@ Matching number_sets(const IdVector<NodeId, NodeId>& mate, int threads) {
   std::partial_sum(start.begin(), start.end(), start.begin());
   out.sets = start.back();
   in_parallel(threads, [&](int w) {
-    std::size_t next = start[static_cast<std::size_t>(w)];
+    std::size_t next = start[w];
     for (const NodeId v : share(w)) {
       if (mate[v] >= v) out.node2set[v] = to_id<NodeId>(next++);
     }

@@ -29,7 +29,7 @@ void make_rows(Graph& g, std::size_t n, std::size_t expected_edges, int threads,
   const auto share = [&](int w) { return std::pair(share_begin(n, w, threads), share_begin(n, w + 1, threads)); };
   in_parallel(threads, [&](int w) {
     const auto [begin, end] = share(w);
-    auto& mine = piece[static_cast<std::size_t>(w)];
+    auto& mine = piece[w];
     mine.reserve(expected_edges / static_cast<std::size_t>(threads));
     append(begin, end, mine, ends.subspan(begin, end - begin));
   });
@@ -38,8 +38,8 @@ void make_rows(Graph& g, std::size_t n, std::size_t expected_edges, int threads,
   grow_in_parallel(g.edge, start.back(), threads);
   in_parallel(threads, [&](int w) {
     const auto [begin, end] = share(w);
-    auto& mine = piece[static_cast<std::size_t>(w)];
-    const std::size_t at = start[static_cast<std::size_t>(w)];
+    auto& mine = piece[w];
+    const std::size_t at = start[w];
     std::copy(mine.begin(), mine.end(), g.edge.begin() + static_cast<std::ptrdiff_t>(at));
     mine = {};
     for (auto& e : ends.subspan(begin, end - begin)) e += static_cast<std::uint32_t>(at);

@@ -22,7 +22,7 @@ class WorkBelow {
   [[nodiscard]] double operator()(std::uint64_t key) const noexcept {
     const auto it = std::lower_bound(sorted_.begin(), sorted_.end(), key,
                                      [](const KeyIndex& k, std::uint64_t v) { return k.key < v; });
-    return sum_[static_cast<std::size_t>(it - sorted_.begin())];
+    return sum_[it - sorted_.begin()];
   }
   [[nodiscard]] double total() const noexcept { return sum_.back(); }
 

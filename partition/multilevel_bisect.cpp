@@ -119,7 +119,7 @@ class Recursion {
       std::vector<NodeId> inside;
       const Graph sub = subgraph(g, half, PartId{s}, inside);
       for (NodeId& v : inside) v = nodes[idx(v)];
-      split(sub, inside, s == 0 ? first : first + share[0], share[static_cast<std::size_t>(s)], (threads + 1 - s) / 2);
+      split(sub, inside, s == 0 ? first : first + share[0], share[s], (threads + 1 - s) / 2);
     };
     const int at_once = threads > 1 ? 2 : 1;
     in_parallel(at_once, [&](int w) {

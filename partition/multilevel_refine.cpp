@@ -55,8 +55,8 @@ GainQueue::Item GainQueue::pop() noexcept {
     top_ = -1;
     return {};
   }
-  while (head_[static_cast<std::size_t>(top_)] == kNoNode) --top_;
-  const NodeId v = head_[static_cast<std::size_t>(top_)];
+  while (head_[top_] == kNoNode) --top_;
+  const NodeId v = head_[top_];
   remove(v);
   return {v, top_ - kReach};
 }
@@ -114,7 +114,7 @@ bool Refiner::on_boundary(NodeId v) const noexcept {
 void Refiner::find_boundary() {
   const int threads = static_cast<int>(boundary_of_.size());
   in_parallel(threads, [&](int w) {
-    auto& found = boundary_of_[static_cast<std::size_t>(w)];
+    auto& found = boundary_of_[w];
     found.clear();
     for (const NodeId v :
          IdRange<NodeId>(share_begin(g_.nodes(), w, threads), share_begin(g_.nodes(), w + 1, threads))) {

@@ -136,8 +136,7 @@ std::size_t extreme_edge(const Part& p, TetId t, double sign, double& length) {
   std::size_t best = 0;
   length = -1e300;
   for (std::size_t e = 0; e < 6; ++e) {
-    const double l =
-        sign * p.length(v[static_cast<std::size_t>(kEdgeVerts[e][0])], v[static_cast<std::size_t>(kEdgeVerts[e][1])]);
+    const double l = sign * p.length(v[kEdgeVerts[e][0]], v[kEdgeVerts[e][1]]);
     if (l > length) {
       length = l;
       best = e;
@@ -153,8 +152,7 @@ void insert_op(benchmark::State& state) {
     const auto& e = kEdgeVerts[extreme_edge(p, t, 1, l)];
     const auto v = p.mesh.tet2vert[t];
     if (l <= p.options.split_above) return;
-    tally.add(op.insert.on_edge(t, v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])], 0.5) ==
-              InsertResult::kDone);
+    tally.add(op.insert.on_edge(t, v[e[0]], v[e[1]], 0.5) == InsertResult::kDone);
   });
 }
 void collapse_op(benchmark::State& state) {
@@ -163,15 +161,14 @@ void collapse_op(benchmark::State& state) {
     const auto& e = kEdgeVerts[extreme_edge(p, t, -1, l)];
     const auto v = p.mesh.tet2vert[t];
     if (l >= p.options.collapse_below) return;
-    tally.add(op.collapse.collapse(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])], t,
-                                   p.options.split_above, 0.3 * 0.3 * 0.3));
+    tally.add(op.collapse.collapse(v[e[0]], v[e[1]], t, p.options.split_above, 0.3 * 0.3 * 0.3));
   });
 }
 void swap_edge_op(benchmark::State& state) {
   sweep(state, make_part(1, 1, 0.4), [](Part& p, Operators& op, TetId t, Tally& tally) {
     const auto v = p.mesh.tet2vert[t];
     for (const auto& e : kEdgeVerts) {
-      const bool did = op.swap.edge(t, v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]);
+      const bool did = op.swap.edge(t, v[e[0]], v[e[1]]);
       tally.add(did);
       if (did) return;
     }
@@ -179,7 +176,7 @@ void swap_edge_op(benchmark::State& state) {
 }
 void swap_face_op(benchmark::State& state) {
   sweep(state, make_part(1, 1, 0.4), [](Part&, Operators& op, TetId t, Tally& tally) {
-    for (int f = 0; f < 4; ++f) {
+    for (std::size_t f = 0; f < 4; ++f) {
       const bool did = op.swap.face(make_face(t, f));
       tally.add(did);
       if (did) return;

@@ -135,9 +135,9 @@ void make_old_interfaces_heavy(const DistMesh& dist, std::vector<std::int32_t>& 
   const TetMesh& m = dist.mesh;
   const auto was_shared = [&](VertId v) { return m.has(v, kFrozen); };
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < 4; ++k) {
       const FaceId f = make_face(t, k);
-      const auto v = face_verts(m, f);
+      const auto v = m.verts(f);
       if (std::all_of(v.begin(), v.end(), was_shared)) cost[idx(f)] = std::min(kMost, kHeavier * cost[idx(f)]);
     }
   }

@@ -23,7 +23,7 @@ class Cut {
     number();
     in_parallel(threads_, [&](int w) { place_vertices(w); });
     std::vector<std::vector<FaceId>> seams(static_cast<std::size_t>(threads_));
-    in_parallel(threads_, [&](int w) { place_tets(w, seams[static_cast<std::size_t>(w)]); });
+    in_parallel(threads_, [&](int w) { place_tets(w, seams[w]); });
     for (const auto& seam : seams) band_.seam.insert(band_.seam.end(), seam.begin(), seam.end());
     TetMesh& b = band_.mesh;
     for (const TetId t : IdRange<TetId>(b.tet_slots())) {
@@ -168,7 +168,7 @@ class Return {
     resize_tets(m_, m_.tet_slots() + n - places);
     for (const VertId v : IdRange<VertId>(b_.vert_slots())) m_.vert2tet[vert_[v]] = tet_[b_.vert2tet[v]];
     std::vector<std::vector<FaceId>> open(static_cast<std::size_t>(threads_));
-    in_parallel(threads_, [&](int w) { place_tets(w, open[static_cast<std::size_t>(w)]); });
+    in_parallel(threads_, [&](int w) { place_tets(w, open[w]); });
     close_seam(open);
   }
 
@@ -181,7 +181,7 @@ class Return {
         m_.tet2vert[to][k] = vert_[b_.tet2vert[t][k]];
         const FaceId f = b_.tet2face[t][k];
         m_.tet2face[to][k] = f == kNoFace ? kNoFace : make_face(tet_[face_tet(f)], face_side(f));
-        if (f == kNoFace && !is_hull(b_.face_tag[t][k])) open.push_back(make_face(to, static_cast<int>(k)));
+        if (f == kNoFace && !is_hull(b_.face_tag[t][k])) open.push_back(make_face(to, k));
       }
       m_.face_tag[to] = b_.face_tag[t];
       m_.tet_ref[to] = b_.tet_ref[t];

@@ -21,8 +21,7 @@ class WithoutOthers {
   explicit WithoutOthers(TetMesh& m) : m_(m) {
     for (const TetId t : IdRange<TetId>(m.tet_slots())) {
       for (std::size_t f = 0; f < 4; ++f) {
-        if (m.tet2face[t][f] == kNoFace && !is_hull(m.face_tag[t][f]))
-          faces_.push_back(make_face(t, static_cast<int>(f)));
+        if (m.tet2face[t][f] == kNoFace && !is_hull(m.face_tag[t][f])) faces_.push_back(make_face(t, f));
       }
     }
     flip();
@@ -33,7 +32,7 @@ class WithoutOthers {
 
  private:
   void flip() noexcept {
-    for (const FaceId f : faces_) m_.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))] ^= kHullFace;
+    for (const FaceId f : faces_) m_.tag(f) ^= kHullFace;
   }
   TetMesh& m_;
   std::vector<FaceId> faces_;
@@ -44,7 +43,7 @@ class WithoutOthers {
 std::vector<std::int32_t> face_costs(const TetMesh& m, const MetricField& metric, int threads) {
   std::vector<std::int32_t> cost(4 * m.tet_slots(), 1);
   const auto of_face = [&](FaceId f) {
-    const auto v = face_verts(m, f);
+    const auto v = m.verts(f);
     const Vec3 a = m.coords[v[1]] - m.coords[v[0]], b = m.coords[v[2]] - m.coords[v[0]];
     double area = 0;
     for (const VertId w : v) {
@@ -142,7 +141,7 @@ void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector
 void cut_features(const TetMesh& m, TetId t, const IdVector<VertId, VertId>& to_block, FeatureEdges& features) {
   const auto& tv = m.tet2vert[t];
   for (const auto& e : kEdgeVerts) {
-    const VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
+    const VertId a = tv[e[0]], b = tv[e[1]];
     if (!m.has(a, kRidge) || !m.has(b, kRidge)) continue;
     const FeatureEdge* f = m.features.find(a, b);
     if (f != nullptr) features.insert(to_block[a], to_block[b], f->ref, f->ridge);

@@ -106,7 +106,7 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   const auto share = points / static_cast<std::size_t>(o.threads);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
   std::vector<char> refined(blocks.size(), 0);
-  const auto of = [](auto& list, int b) -> auto& { return list[static_cast<std::size_t>(b)]; };
+  const auto of = [](auto& list, int b) -> auto& { return list[b]; };
   const auto start = [&](int b) -> Block& {
     Block& block = of(blocks, b);
     block = cut_block(mesh, metric, label, between, b);

@@ -106,7 +106,7 @@ class Joiner {
       for (const Twin& twin : p.twins) out_.mesh.vert_flags[number(twin.of_block, twin.of)] |= twin.flags;
     }
     std::vector<std::vector<FaceId>> open(blocks_.size());
-    in_parallel(threads_, [&](int w) { place_tets(w, open[static_cast<std::size_t>(w)]); });
+    in_parallel(threads_, [&](int w) { place_tets(w, open[w]); });
     blocks_.clear();
     match_faces(open);
     close_what_is_left();
@@ -257,7 +257,7 @@ class Joiner {
     const auto look = [&](TetId t) {
       for (std::size_t i = 0; i < 4; ++i) {
         if (out_.mesh.tet2face[t][i] != kNoFace || is_hull(out_.mesh.face_tag[t][i])) continue;
-        open.push_back(make_face(t, static_cast<int>(i)));
+        open.push_back(make_face(t, i));
       }
     };
     const auto share = [&](std::size_t n) {

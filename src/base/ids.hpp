@@ -44,8 +44,10 @@ constexpr PartId part_of(Rank r) noexcept { return PartId{num(r)}; }
 constexpr Rank rank_of(PartId p) noexcept { return Rank{num(p)}; }
 
 constexpr TetId face_tet(FaceId f) noexcept { return TetId{num(f) >> 2}; }
-constexpr int face_side(FaceId f) noexcept { return num(f) & 3; }
-constexpr FaceId make_face(TetId t, int side) noexcept { return FaceId{num(t) * 4 + side}; }
+constexpr std::size_t face_side(FaceId f) noexcept { return static_cast<std::size_t>(num(f) & 3); }
+constexpr FaceId make_face(TetId t, std::size_t side) noexcept {
+  return FaceId{num(t) * 4 + static_cast<std::int32_t>(side)};
+}
 
 /// A std::vector that can be indexed only by its own identifier type.
 template <Identifier Id, class T>

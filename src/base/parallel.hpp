@@ -19,7 +19,7 @@ void in_parallel(int threads, Work&& work) {
     try {
       work(w);
     } catch (...) {
-      failed[static_cast<std::size_t>(w)] = std::current_exception();
+      failed[w] = std::current_exception();
     }
   };
   {

@@ -86,7 +86,7 @@ BorderGraph border_graph(const Comm& comm, const DistMesh& dist, std::span<const
       if (o != kNoFace) {
         add_edge(g, node[face_tet(o)]);
         inwards += idx(node[face_tet(o)]) == n ? 1 : 0;
-      } else if (i < faces.size() && faces[i].mine == make_face(t, static_cast<int>(s))) {
+      } else if (i < faces.size() && faces[i].mine == make_face(t, s)) {
         const auto at = std::lower_bound(remote.begin(), remote.end(), links[i].second) - remote.begin();
         add_edge(g, to_id<NodeId>(nodes + static_cast<std::size_t>(at)));
         ++i;

@@ -30,7 +30,7 @@ void refuse(const FileSource& src, std::vector<Offence> offences, const std::str
   for (std::size_t k = 0; k < 4; ++k) {
     const std::int64_t v = num(offences[0].verts[k]);
     if (v < src.file.first_vert || v >= last) continue;
-    const Vec3 p = src.file.coords[static_cast<std::size_t>(v - src.file.first_vert)];
+    const Vec3 p = src.file.coords[v - src.file.first_vert];
     x[3 * k] = p.x;
     x[3 * k + 1] = p.y;
     x[3 * k + 2] = p.z;

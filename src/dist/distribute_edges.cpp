@@ -56,9 +56,9 @@ void send_surface(const FileSource& src, const Growing& g, std::vector<FaceEdge>
   Mail<FaceEdge> edge_mail;
   Mail<FaceCorner> corner_mail;
   for (const FaceId f : g.speakers) {
-    const auto v = face_verts(m, f);
+    const auto v = m.verts(f);
     const Vec3 normal = normalized(cross(m.coords[v[1]] - m.coords[v[0]], m.coords[v[2]] - m.coords[v[0]]));
-    const int patch = tag_patch(m.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))]);
+    const int patch = tag_patch(m.tag(f));
     for (std::size_t k = 0; k < 3; ++k) {
       VertId a = v[k], b = v[(k + 1) % 3];
       corner_mail.add(g.many[a] != 0 ? meeting_rank(gid[a], ranks) : src.comm.rank(),
@@ -111,8 +111,7 @@ void add_given_edges(const FileSource& src, Mail<FeatureEnd>& mail) {
   }
   const Inquiry<GlobalId> inquiry(src.comm, dest, ends);
   std::vector<Vec3> answers;
-  for (const GlobalId v : inquiry.asked().items)
-    answers.push_back(src.file.coords[static_cast<std::size_t>(num(v) - src.file.first_vert)]);
+  for (const GlobalId v : inquiry.asked().items) answers.push_back(src.file.coords[num(v) - src.file.first_vert]);
   const auto x = inquiry.answer(answers);
   for (std::size_t i = 0; i < list.verts.size(); ++i) {
     const auto [a, b] = list.verts[i];

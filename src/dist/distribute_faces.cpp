@@ -23,7 +23,7 @@ void match_locally(TetMesh& m) {
   m.tet2face.assign(nt, {kNoFace, kNoFace, kNoFace, kNoFace});
   m.vert2tet.assign(nv, kNoTet);
   const auto sorted = [&](FaceId f) {
-    auto v = face_verts(m, f);
+    auto v = m.verts(f);
     bool odd = false;
     if (v[1] < v[0]) std::swap(v[0], v[1]), odd = !odd;
     if (v[2] < v[1]) std::swap(v[1], v[2]), odd = !odd;
@@ -32,9 +32,9 @@ void match_locally(TetMesh& m) {
   };
   std::vector<std::uint32_t> offset(nv + 1, 0);
   for (const FaceId f : IdRange<FaceId>(4 * nt)) {
-    const auto v = face_verts(m, f);
+    const auto v = m.verts(f);
     ++offset[idx(std::min({v[0], v[1], v[2]})) + 1];
-    m.vert2tet[m.tet2vert[face_tet(f)][static_cast<std::size_t>(face_side(f))]] = face_tet(f);
+    m.vert2tet[m.apex(f)] = face_tet(f);
   }
   std::partial_sum(offset.begin(), offset.end(), offset.begin());
   std::vector<FaceUnder> under(4 * nt);
@@ -46,7 +46,7 @@ void match_locally(TetMesh& m) {
     return static_cast<std::uint64_t>(num(a.mid)) << 32 | static_cast<std::uint32_t>(num(a.high));
   };
   const auto less = [&](const FaceUnder& a, const FaceUnder& b) { return key(a) < key(b); };
-  const auto link = [&](FaceId f, FaceId g) { m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g; };
+  const auto link = [&](FaceId f, FaceId g) { m.neighbour(f) = g; };
   std::size_t begin = 0;
   for (std::size_t v = 0; v < nv; ++v) {
     const std::size_t end = offset[v];  // the fill has moved each offset to its end
@@ -94,10 +94,10 @@ std::vector<FaceId> faces_to_judge(const Growing& g) {
   const TetMesh& m = g.dist.mesh;
   std::vector<FaceId> out;
   for (const FaceId f : IdRange<FaceId>(4 * m.tet_slots())) {
-    const FaceId other = m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))];
+    const FaceId other = m.neighbour(f);
     bool judge = other == kNoFace || m.tet_ref[face_tet(f)] != m.tet_ref[face_tet(other)];
     if (!judge) {
-      const auto v = face_verts(m, f);
+      const auto v = m.verts(f);
       judge = (m.has(v[0], kSurface) && m.has(v[1], kSurface) && m.has(v[2], kSurface)) ||
               (g.many[v[0]] != 0 && g.many[v[1]] != 0 && g.many[v[2]] != 0);
     }
@@ -250,7 +250,7 @@ void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& re
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const TetId t = face_tet(faces[i]);
     const FaceKey key = face_key(m, g.dist.vert2gid, faces[i]);
-    const VertId opposite = m.tet2vert[t][static_cast<std::size_t>(face_side(faces[i]))];
+    const VertId opposite = m.tet2vert[t][face_side(faces[i])];
     sides[i] = {key.gid, g.dist.vert2gid[opposite], g.tet_number[t], m.tet_ref[t], key.odd ? 1 : 0};
     dest[i] = meeting_rank(key.gid, src.comm.size());
   }
@@ -270,10 +270,10 @@ void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& re
   const auto verdicts = inquiry.answer(court.verdicts);
   m.face_tag.assign(m.tet_slots(), {0, 0, 0, 0});
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    m.face_tag[face_tet(faces[i])][static_cast<std::size_t>(face_side(faces[i]))] = verdicts[i].tag;
+    m.tag(faces[i]) = verdicts[i].tag;
     if (verdicts[i].speaks != 0) g.speakers.push_back(faces[i]);
     if (verdicts[i].tag == 0) continue;
-    for (const VertId v : face_verts(m, faces[i])) m.vert_flags[v] |= kSurface;
+    for (const VertId v : m.verts(faces[i])) m.vert_flags[v] |= kSurface;
   }
 }
 

@@ -274,7 +274,7 @@ void check_orientation(const FileSource& src, Growing& g, DistributeReport& repo
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     const auto& v = m.tet2vert[t];
     sign[t] = static_cast<std::int8_t>(orient3d_sign(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]));
-    ++count[static_cast<std::size_t>(sign[t] + 1)];
+    ++count[sign[t] + 1];
   }
   src.comm.reduce(std::span<std::int64_t>(count), Op::kSum);
   const int good = count[0] > count[2] ? -1 : 1;

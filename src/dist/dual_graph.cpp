@@ -41,8 +41,8 @@ DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const dou
                   }
                   edge.push_back({to, w});
                 };
-                for (int s = 0; s < 4; ++s) {
-                  const FaceId f = make_face(t, s), o = m.tet2face[t][static_cast<std::size_t>(s)];
+                for (std::size_t s = 0; s < 4; ++s) {
+                  const FaceId f = make_face(t, s), o = m.tet2face[t][s];
                   if (o != kNoFace) {
                     add(NodeId{num(face_tet(o))}, std::max(weight_at(f), weight_at(o)));
                   } else if (next != faces.end() && next->mine == f) {

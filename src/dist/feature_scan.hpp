@@ -16,7 +16,7 @@ void features_of(const TetMesh& m, TetId t, Found&& found) {
   for (std::size_t k = 0; k < 4; ++k) n += (marked[k] = m.has(v[k], kRidge | kCorner)) ? 1 : 0;
   if (n < 2) return;
   for (const auto& e : kEdgeVerts) {
-    const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
+    const auto a = e[0], b = e[1];
     if (!marked[a] || !marked[b]) continue;
     const FeatureEdge* edge = m.features.find(v[a], v[b]);
     if (edge != nullptr) found(static_cast<std::uint32_t>(edge - m.features.list().data()));

@@ -53,7 +53,7 @@ std::vector<FaceId> triangle_faces(const Comm& comm, const DistMesh& dist) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     for (std::size_t k = 0; k < 4; ++k) {
       if (m.face_tag[t][k] == 0) continue;
-      const FaceId me = make_face(t, static_cast<int>(k)), other = m.tet2face[t][k];
+      const FaceId me = make_face(t, k), other = m.tet2face[t][k];
       if (other != kNoFace) {
         if (std::pair(m.tet_ref[t], me) < std::pair(m.tet_ref[face_tet(other)], other)) out.push_back(me);
       } else if (is_hull(m.face_tag[t][k])) {
@@ -141,12 +141,12 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
   const auto faces = triangle_faces(comm, dist);
   place(comm, faces.size(), s.triangles.first, s.triangles.total);
   for (const FaceId f : faces) {
-    const FaceTag tag = m.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))];
-    const auto v = face_verts(m, f);
+    const FaceTag tag = m.tag(f);
+    const auto v = m.verts(f);
     if ((tag & kRequiredFace) != 0)
       s.required_triangles.verts.push_back(to_id<GlobalId>(s.triangles.first + std::ssize(s.triangles.verts)));
     s.triangles.verts.push_back({gid(v[0]), gid(v[1]), gid(v[2])});
-    s.triangles.ref.push_back(m.patch_ref[static_cast<std::size_t>(tag_patch(tag))]);
+    s.triangles.ref.push_back(m.patch_ref[tag_patch(tag)]);
   }
   const auto edges = own_edges(comm, dist);
   place(comm, edges.size(), s.edges.first, s.edges.total);

@@ -26,7 +26,7 @@ std::vector<InterfaceFace> match_interface(const Comm& comm, const DistMesh& dis
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     for (std::size_t f = 0; f < 4; ++f) {
       if (m.tet2face[t][f] != kNoFace || is_hull(m.face_tag[t][f])) continue;
-      const FaceId face = make_face(t, static_cast<int>(f));
+      const FaceId face = make_face(t, f);
       const FaceKey key = face_key(m, dist.vert2gid, face);
       copies.push_back({key.gid, comm.rank(), face, key.odd ? 1 : 0});
       dest.push_back(meeting_rank(key.gid, comm.size()));

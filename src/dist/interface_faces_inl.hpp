@@ -26,7 +26,7 @@ std::vector<T> swap_over_interface(const Comm& comm, const std::vector<Interface
   for (const Item& item : got.items) {
     const auto it = std::lower_bound(faces.begin(), faces.end(), item.face,
                                      [](const InterfaceFace& f, FaceId id) { return f.mine < id; });
-    if (it != faces.end() && it->mine == item.face) out[static_cast<std::size_t>(it - faces.begin())] = item.value;
+    if (it != faces.end() && it->mine == item.face) out[it - faces.begin()] = item.value;
   }
   return out;
 }

@@ -254,8 +254,7 @@ class Stayers {
   void look_at_open(TetId t, bool features) {
     look_at(t, features);
     for (std::size_t k = 0; k < 4; ++k) {
-      if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k]))
-        out_.open.push_back(make_face(t, static_cast<int>(k)));
+      if (m_.tet2face[t][k] == kNoFace && !is_hull(m_.face_tag[t][k])) out_.open.push_back(make_face(t, k));
     }
   }
 
@@ -303,7 +302,7 @@ class Arrival {
   void unlink_gone() {
     for (const TetId t : free_tets_) {
       for (const FaceId f : m_.tet2face[t]) {
-        if (f != kNoFace) m_.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = kNoFace;
+        if (f != kNoFace) m_.neighbour(f) = kNoFace;
       }
     }
     for (const FeatureEdge& e : staying_.gone_features) m_.features.erase(e.a, e.b);
@@ -372,7 +371,7 @@ class Arrival {
           m_.vert2tet[v] = t;
           const std::int32_t f = in.face[k];
           m_.tet2face[t][k] = f >= 0 ? make_face(place(first + static_cast<std::size_t>(f / 4)), f % 4) : kNoFace;
-          if (f == kWasInterface) open.push_back(make_face(t, static_cast<int>(k)));
+          if (f == kWasInterface) open.push_back(make_face(t, k));
         }
         m_.face_tag[t] = in.tag;
         m_.tet_ref[t] = in.ref;

@@ -93,7 +93,7 @@ void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, 
     const std::size_t end = std::min(last, i + kAtOnce);
     if (add_inner(m, i, end, out.one_sided)) continue;
     for (const FaceId me : IdRange<FaceId>(4 * i, 4 * end)) {
-      const auto k = static_cast<std::size_t>(face_side(me));
+      const auto k = face_side(me);
       const FaceId f = m.tet2face[face_tet(me)][k];
       if (f == kNoFace) {
         out.open.push_back(me);
@@ -112,8 +112,8 @@ void check_adjacency(const DistMesh& dist, std::size_t first, std::size_t last, 
 void find_one_sided(const TetMesh& m, Fault& fault) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     for (std::size_t k = 0; k < 4; ++k) {
-      const FaceId f = m.tet2face[t][k], me = make_face(t, static_cast<int>(k));
-      if (f == kNoFace || m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] == me) continue;
+      const FaceId f = m.tet2face[t][k], me = make_face(t, k);
+      if (f == kNoFace || m.neighbour(f) == me) continue;
       return fault.tell("tetrahedron {}, face {}: its neighbour does not name it back", num(t), k);
     }
   }
@@ -126,8 +126,7 @@ std::vector<FaceId> check_adjacency(const DistMesh& dist, int threads, Fault& fa
   std::vector<Adjacency> found(static_cast<std::size_t>(threads));
   const std::size_t n = dist.mesh.tet_slots();
   in_parallel(threads, [&](int w) {
-    check_adjacency(dist, share_begin(n, w, threads), share_begin(n, w + 1, threads),
-                    found[static_cast<std::size_t>(w)]);
+    check_adjacency(dist, share_begin(n, w, threads), share_begin(n, w + 1, threads), found[w]);
   });
   std::vector<FaceId> open;
   std::uint64_t one_sided = 0;
@@ -155,8 +154,8 @@ std::vector<OuterFace> outer_faces(const DistMesh& dist, const std::vector<FaceI
   for (const VertId v : dist.sharing.vert) shared[v] = 1;
   std::vector<OuterFace> faces;
   for (const FaceId f : open) {
-    const FaceTag tag = m.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))];
-    const auto v = face_verts(m, f);
+    const FaceTag tag = m.tag(f);
+    const auto v = m.verts(f);
     const bool all_shared = (shared[v[0]] & shared[v[1]] & shared[v[2]]) != 0;
     if (is_hull(tag) && !all_shared) continue;  // nobody else can have it, or check_lists finds a copy of its vertices
     for (const VertId w : v) {

@@ -33,19 +33,19 @@ VertId GidMap::insert(GlobalId g) {
   const std::size_t mask = table_.size() - 1;
   for (std::size_t s = mix(g) & mask;; s = (s + 1) & mask) {
     if (table_[s] < 0) return put(s, g);
-    if (gids_[static_cast<std::size_t>(table_[s])] == g) return VertId{table_[s]};
+    if (gids_[table_[s]] == g) return VertId{table_[s]};
   }
 }
 
 VertId GidMap::find(GlobalId g) const noexcept {
   if (direct_) {
-    const std::int32_t v = table_[static_cast<std::size_t>(num(g))];
+    const std::int32_t v = table_[num(g)];
     return v < 0 ? kNoVert : VertId{v};
   }
   const std::size_t mask = table_.size() - 1;
   for (std::size_t s = mix(g) & mask;; s = (s + 1) & mask) {
     if (table_[s] < 0) return kNoVert;
-    if (gids_[static_cast<std::size_t>(table_[s])] == g) return VertId{table_[s]};
+    if (gids_[table_[s]] == g) return VertId{table_[s]};
   }
 }
 

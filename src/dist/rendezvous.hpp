@@ -34,7 +34,7 @@ constexpr FaceKey face_key(GlobalId a, GlobalId b, GlobalId c) noexcept {
   return {{a, b, c}, odd};
 }
 inline FaceKey face_key(const TetMesh& m, const IdVector<VertId, GlobalId>& vert2gid, FaceId f) noexcept {
-  const auto v = face_verts(m, f);
+  const auto v = m.verts(f);
   return face_key(vert2gid[v[0]], vert2gid[v[1]], vert2gid[v[2]]);
 }
 constexpr Rank meeting_rank(const std::array<GlobalId, 3>& gid, int ranks) noexcept {

@@ -36,7 +36,7 @@ std::vector<VertId> verts_of(const TetMesh& m, const std::vector<FaceId>& faces)
   IdVector<VertId, char> seen(m.vert_slots(), 0);
   std::vector<VertId> out;
   for (const FaceId f : faces) {
-    for (const VertId v : face_verts(m, f)) {
+    for (const VertId v : m.verts(f)) {
       if (seen[v] != 0) continue;
       seen[v] = 1;
       out.push_back(v);
@@ -98,7 +98,7 @@ void rebuild_sharing(const Comm& comm, DistMesh& dist) {
   std::vector<FaceId> open;
   visit_open_tets(m, [&](TetId t) {
     for (std::size_t k = 0; k < 4; ++k) {
-      if (m.is_live(t) && m.tet2face[t][k] == kNoFace) open.push_back(make_face(t, static_cast<int>(k)));
+      if (m.is_live(t) && m.tet2face[t][k] == kNoFace) open.push_back(make_face(t, k));
     }
   });
   rebuild_sharing(comm, dist, verts_of(m, open));

@@ -48,7 +48,7 @@ class Octree {
     if (!(size < side_)) return 0;
     return std::clamp(static_cast<int>(std::ceil(std::log2(side_ / size))), 0, kMaxLevel);
   }
-  void want(int level, Cell c) { cells_[static_cast<std::size_t>(level)].push_back(key(c)); }
+  void want(int level, Cell c) { cells_[level].push_back(key(c)); }
   void want(int level, Vec3 x) {
     const double s = side(level);
     const auto at = [&](double d) {
@@ -63,12 +63,10 @@ class Octree {
     return n;
   }
   [[nodiscard]] bool has(int level, Cell c) const noexcept {
-    const auto& list = cells_[static_cast<std::size_t>(level)];
+    const auto& list = cells_[level];
     return std::binary_search(list.begin(), list.end(), key(c));
   }
-  [[nodiscard]] const std::vector<Key>& cells(int level) const noexcept {
-    return cells_[static_cast<std::size_t>(level)];
-  }
+  [[nodiscard]] const std::vector<Key>& cells(int level) const noexcept { return cells_[level]; }
   /// All eight children exist, or none (after balance()).
   [[nodiscard]] bool is_leaf(int level, Cell c) const noexcept {
     return level == kMaxLevel || !has(level + 1, {2 * c.i, 2 * c.j, 2 * c.k});
@@ -77,7 +75,7 @@ class Octree {
   /// Gives every cell its siblings and parent, and the parent its neighbours: neighbouring leaves differ by one level.
   void balance() {
     for (int level = kMaxLevel; level > 0; --level) {
-      auto& own = cells_[static_cast<std::size_t>(level)];
+      auto& own = cells_[level];
       sort_unique(own);
       std::vector<Key> parents;
       for (const Key k : own) parents.push_back(key({cell(k).i / 2, cell(k).j / 2, cell(k).k / 2}));
@@ -97,7 +95,7 @@ class Octree {
 
  private:
   void add_with_neighbours(int level, const std::vector<Key>& keys) {
-    auto& list = cells_[static_cast<std::size_t>(level)];
+    auto& list = cells_[level];
     const std::int64_t n = std::int64_t{1} << level;
     for (const Key k : keys) {
       const Cell c = cell(k);
@@ -160,9 +158,7 @@ class NearSurface {
     }
     descend(triangle, 0, {0, 0, 0});
   }
-  [[nodiscard]] bool is_near(int level, std::size_t i) const noexcept {
-    return near_[static_cast<std::size_t>(level)][i] != 0;
-  }
+  [[nodiscard]] bool is_near(int level, std::size_t i) const noexcept { return near_[level][i] != 0; }
 
  private:
   void descend(const Source& triangle, int level, Cell c) {
@@ -179,7 +175,7 @@ class NearSurface {
     } else if (distance(triangle, x) < 0.6 * tree_.side(level)) {
       const auto& list = tree_.cells(level);
       const auto at = std::lower_bound(list.begin(), list.end(), key(c)) - list.begin();
-      near_[static_cast<std::size_t>(level)][static_cast<std::size_t>(at)] = 1;
+      near_[level][at] = 1;
     }
   }
 

@@ -95,8 +95,8 @@ void drop_vertices(MeshSlice& mesh, const std::vector<GlobalId>& twin, ClosedSur
       ++(twin[v] == to_id<GlobalId>(v) ? result.unused_verts : result.merged_verts);
       continue;
     }
-    mesh.coords[static_cast<std::size_t>(n)] = mesh.coords[v];
-    mesh.vert_ref[static_cast<std::size_t>(n)] = mesh.vert_ref[v];
+    mesh.coords[n] = mesh.coords[v];
+    mesh.vert_ref[n] = mesh.vert_ref[v];
     old2new[v] = GlobalId{n++};
   }
   mesh.total_verts = n;
@@ -192,10 +192,8 @@ Shells walk_shells(const MeshSlice& mesh, const std::vector<Side>& sides, std::v
   for (std::size_t i = 0; i < sides.size(); i += 2) {
     const Side &a = sides[i], &b = sides[i + 1];
     const bool agrees = a.forward != b.forward;
-    neighbour[static_cast<std::size_t>(a.triangle)][filled[static_cast<std::size_t>(a.triangle)]++] = {b.triangle,
-                                                                                                       agrees};
-    neighbour[static_cast<std::size_t>(b.triangle)][filled[static_cast<std::size_t>(b.triangle)]++] = {a.triangle,
-                                                                                                       agrees};
+    neighbour[a.triangle][filled[a.triangle]++] = {b.triangle, agrees};
+    neighbour[b.triangle][filled[b.triangle]++] = {a.triangle, agrees};
   }
   Shells shells;
   std::vector<std::uint8_t> seen(triangles.size(), 0);

@@ -131,8 +131,7 @@ std::vector<int> intersecting(const MeshSlice& mesh) {
 Volume take_output(const MeshSlice& mesh, std::size_t seeds, const tetgenio& out) {
   const std::size_t surface_verts = mesh.coords.size();
   std::vector<GlobalId> number(static_cast<std::size_t>(out.numberofpoints), kNoGlobal);
-  for (int i = 0; i < 4 * out.numberoftetrahedra; ++i)
-    number[static_cast<std::size_t>(out.tetrahedronlist[i])] = GlobalId{0};
+  for (int i = 0; i < 4 * out.numberoftetrahedra; ++i) number[out.tetrahedronlist[i]] = GlobalId{0};
   Volume volume;
   for (std::size_t v = 0; v < number.size(); ++v) {
     if (v < surface_verts) {
@@ -150,7 +149,7 @@ Volume take_output(const MeshSlice& mesh, std::size_t seeds, const tetgenio& out
   for (int t = 0; t < out.numberoftetrahedra; ++t) {
     const int* v = out.tetrahedronlist + static_cast<std::ptrdiff_t>(t) * out.numberofcorners;
     std::array<GlobalId, 4> tet;
-    for (std::size_t k = 0; k < 4; ++k) tet[k] = number[static_cast<std::size_t>(v[k])];
+    for (std::size_t k = 0; k < 4; ++k) tet[k] = number[v[k]];
     if (orient3d_sign(coords(tet[0]), coords(tet[1]), coords(tet[2]), coords(tet[3])) < 0) std::swap(tet[2], tet[3]);
     volume.tets.push_back(tet);
   }

@@ -193,8 +193,8 @@ void read_vertices(const Comm& comm, const GmfFile& f, const Section& s, MeshSli
     const auto at = [&] { return at_byte(f.path, s.begin + i * kRecord); };
     if (!is_finite(x)) throw_not_finite_coordinate(at(), i);
     if (!fits_ref(ref)) throw_bad_number(at(), {Keyword::kVertices, 4, 3, 0, {}}, i, 3, ref);
-    mesh.coords[static_cast<std::size_t>(i - slice.first)] = x;
-    mesh.vert_ref[static_cast<std::size_t>(i - slice.first)] = static_cast<std::int32_t>(ref);
+    mesh.coords[i - slice.first] = x;
+    mesh.vert_ref[i - slice.first] = static_cast<std::int32_t>(ref);
   });
 }
 
@@ -210,7 +210,7 @@ void read_records(const Comm& comm, const GmfFile& f, const Section& s, const Re
     for (int k = 0; k < kWidth; ++k) {
       const std::int64_t v = gmf_load<Int, Layout::kSwap>(p + static_cast<std::size_t>(k) * sizeof(Int));
       if (!good_number(spec, k, v)) throw_bad_number(at_byte(f.path, s.begin + i * kRecord), spec, i, k, v);
-      number[static_cast<std::size_t>(k)] = v;
+      number[k] = v;
     }
     store_record(out, static_cast<std::size_t>(i - slice.first), number.data());
   });

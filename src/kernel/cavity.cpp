@@ -93,15 +93,14 @@ Cavity::Entry& Cavity::lookup(VertId a, VertId b, VertId c) noexcept {
 void Cavity::enter_outer_faces() {
   const TetMesh& m = part_->mesh;
   for (const TetId t : old_) {
-    for (int f = 0; f < 4; ++f) {
-      const auto s = static_cast<std::size_t>(f);
-      const FaceId nb = m.tet2face[t][s];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceId nb = m.tet2face[t][f];
       if (nb != kNoFace && contains(face_tet(nb))) continue;
-      const auto v = face_verts(m, make_face(t, f));
+      const auto v = m.verts(make_face(t, f));
       Entry& e = lookup(v[0], v[1], v[2]);
       e.stamp = table_stamp_;
       e.face = nb;
-      e.tag = m.face_tag[t][s];
+      e.tag = m.face_tag[t][f];
       e.open = false;
       // A vertex may lose all its old tetrahedra without getting a new one; then it goes on with one outside.
       if (nb != kNoFace) {
@@ -114,7 +113,7 @@ void Cavity::enter_outer_faces() {
     if (e.stamp == table_stamp_ && e.face != kNoFace) {
       // The wall comes to lie on an outer face: what is behind that becomes the tetrahedron at the wall.
       const TetId t = face_tet(e.face);
-      const auto s = static_cast<std::size_t>(face_side(e.face));
+      const auto s = face_side(e.face);
       part_->mesh.tet2face[t][s] = kNoFace;
       part_->mesh.face_tag[t][s] = w.tag;
       part_->dirty[t] |= kAnew;
@@ -149,23 +148,22 @@ TetId Cavity::take_slot(std::size_t i) {
 
 void Cavity::link(TetId t) {
   TetMesh& m = part_->mesh;
-  for (int f = 0; f < 4; ++f) {
-    const auto s = static_cast<std::size_t>(f);
+  for (std::size_t f = 0; f < 4; ++f) {
     const FaceId me = make_face(t, f);
-    const auto v = face_verts(m, me);
+    const auto v = m.verts(me);
     Entry& e = lookup(v[0], v[1], v[2]);
     if (e.stamp != table_stamp_) {  // first side of an inner face
       e.stamp = table_stamp_;
       e.open = true;
       e.face = me;
-      m.tet2face[t][s] = kNoFace;
-      m.face_tag[t][s] = 0;
+      m.tet2face[t][f] = kNoFace;
+      m.face_tag[t][f] = 0;
       continue;
     }
-    m.face_tag[t][s] = e.tag;
-    m.tet2face[t][s] = e.face;
+    m.face_tag[t][f] = e.tag;
+    m.tet2face[t][f] = e.face;
     if (e.face != kNoFace) {
-      m.tet2face[face_tet(e.face)][static_cast<std::size_t>(face_side(e.face))] = me;
+      m.neighbour(e.face) = me;
     } else if (e.open) {  // first side of a wall
       e.face = me;
     }
@@ -229,7 +227,7 @@ void Cavity::commit_cone(VertId apex, std::span<const BorderFace> border, const 
     p.tet_mark[t] = 0;
     p.refused[t] = 0;
     if (f.behind != kNoFace) {
-      m.tet2face[face_tet(f.behind)][static_cast<std::size_t>(face_side(f.behind))] = make_face(t, 0);
+      m.neighbour(f.behind) = make_face(t, 0);
     }
     mate(f.v[0], f.v[1]) = make_face(t, 3);
     mate(f.v[1], f.v[2]) = make_face(t, 1);
@@ -252,7 +250,7 @@ void Cavity::link_behind(TetId t, std::size_t side, FaceId behind, FaceTag tag) 
   m.tet2face[t][side] = behind;
   m.face_tag[t][side] = tag;
   if (behind != kNoFace) {
-    m.tet2face[face_tet(behind)][static_cast<std::size_t>(face_side(behind))] = make_face(t, static_cast<int>(side));
+    m.neighbour(behind) = make_face(t, side);
   }
 }
 
@@ -269,16 +267,13 @@ struct Rim {
 };
 
 Rim rim_of(const Part& p, const Shell& s, int i) noexcept {
-  const TetId t = s.tet[u(i)];
+  const TetId t = s.tet[i];
   const auto& tv = p.mesh.tet2vert[t];
-  const int a = local_index(tv, s.a), b = local_index(tv, s.b), c = local_index(tv, s.ring[u(i)]), d = 6 - a - b - c;
+  const int a = local_index(tv, s.a), b = local_index(tv, s.b), c = local_index(tv, s.ring[i]), d = 6 - a - b - c;
   const auto& face = p.mesh.tet2face[t];
   const auto& tag = p.mesh.face_tag[t];
   const EdgeBits e = p.edges[t];
-  return {{face[u(a)], face[u(b)]},
-          {tag[u(a)], tag[u(b)]},
-          e.of(kEdgeOf[u(c)][u(d)]),
-          {e.of(kEdgeOf[u(b)][u(c)]), e.of(kEdgeOf[u(a)][u(c)])}};
+  return {{face[a], face[b]}, {tag[a], tag[b]}, e.of(kEdgeOf[c][d]), {e.of(kEdgeOf[b][c]), e.of(kEdgeOf[a][c])}};
 }
 }  // namespace
 
@@ -286,7 +281,7 @@ void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles
   Part& p = *part_;
   TetMesh& m = p.mesh;
   std::array<Rim, kMaxRing> rim;
-  for (int i = 0; i < s.n; ++i) rim[u(i)] = rim_of(p, s, i);
+  for (int i = 0; i < s.n; ++i) rim[i] = rim_of(p, s, i);
   const std::int32_t ref = m.tet_ref[s.tet[0]];
   slots_.clear();
   for (std::size_t i = 0; i < 2 * triangles.size(); ++i) slots_.push_back(take_slot(i));
@@ -301,25 +296,25 @@ void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles
   const auto join = [&](const std::array<TetId, 2>& t, int x, int y, const std::array<int, 2>& side, bool is_long) {
     const bool closes = y - x == s.n - 1;
     if (y - x == 1 || closes) {
-      const Rim& r = rim[u(closes ? y : x)];
+      const Rim& r = rim[closes ? y : x];
       for (std::size_t k = 0; k < 2; ++k) link_behind(t[k], u(side[k]), r.behind[k], r.tag[k]);
       return r.along;
     }
-    Diagonal& d = diagonal[u(x)][u(y)];
+    Diagonal& d = diagonal[x][y];
     if (is_long) {
       for (std::size_t k = 0; k < 2; ++k) link_behind(t[k], u(side[k]), d.face[k], 0);
     } else {
-      d.edge_class = p.classify(s.ring[u(x)], s.ring[u(y)]);
+      d.edge_class = p.classify(s.ring[x], s.ring[y]);
       for (std::size_t k = 0; k < 2; ++k) {
         d.face[k] = make_face(t[k], side[k]);
-        m.face_tag[t[k]][u(side[k])] = 0;
+        m.face_tag[t[k]][side[k]] = 0;
       }
     }
     return d.edge_class;
   };
   for (std::size_t q = 0; q < triangles.size(); ++q) {
     const auto& [i, k, j, with_b, with_a] = triangles[q];
-    const VertId vi = s.ring[u(i)], vk = s.ring[u(k)], vj = s.ring[u(j)];
+    const VertId vi = s.ring[i], vk = s.ring[k], vj = s.ring[j];
     const std::array<TetId, 2> t{slots_[2 * q], slots_[2 * q + 1]};
     m.tet2vert[t[0]] = {vi, vk, vj, s.b};
     m.tet2vert[t[1]] = {vi, vj, vk, s.a};
@@ -328,8 +323,8 @@ void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles
     link_behind(t[0], 3, make_face(t[1], 3), 0);
     m.face_tag[t[1]][3] = 0;
     const std::array<std::array<std::uint8_t, 6>, 2> classes{
-        {{ik, ij, rim[u(i)].spoke[0], kj, rim[u(k)].spoke[0], rim[u(j)].spoke[0]},
-         {ij, ik, rim[u(i)].spoke[1], kj, rim[u(j)].spoke[1], rim[u(k)].spoke[1]}}};
+        {{ik, ij, rim[i].spoke[0], kj, rim[k].spoke[0], rim[j].spoke[0]},
+         {ij, ik, rim[i].spoke[1], kj, rim[j].spoke[1], rim[k].spoke[1]}}};
     for (std::size_t side = 0; side < 2; ++side) {
       EdgeBits edges;
       for (std::size_t e = 0; e < 6; ++e) edges.add(e, classes[side][e]);

@@ -22,13 +22,13 @@ void Collapser::collect_facets(VertId v) {
   const TetMesh& m = part_->mesh;
   facets_.clear();
   for (const TetId t : cavity_->old_tets()) {
-    for (int f = 0; f < 4; ++f) {
-      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
-      if (tag == 0 || m.tet2vert[t][static_cast<std::size_t>(f)] == v) continue;
-      auto k = face_verts(m, make_face(t, f));
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][f];
+      if (tag == 0 || m.tet2vert[t][f] == v) continue;
+      auto k = m.verts(make_face(t, f));
       while (k[0] != v) std::rotate(k.begin(), k.begin() + 1, k.end());
       // An internal face is met from both sides; keep one.
-      const FaceId nb = m.tet2face[t][static_cast<std::size_t>(f)];
+      const FaceId nb = m.tet2face[t][f];
       if (nb != kNoFace && num(face_tet(nb)) < num(t)) continue;
       facets_.push_back({k[1], k[2], tag});
     }
@@ -89,9 +89,9 @@ bool Collapser::surface_allows(VertId v, VertId u) {
   for (const TetId t : ball_u_) {
     if (!ok) break;
     for (int f = 0; f < 4 && ok; ++f) {
-      if (m.face_tag[t][static_cast<std::size_t>(f)] == 0) continue;
-      if (m.tet2vert[t][static_cast<std::size_t>(f)] == u) continue;
-      for (const VertId w : face_verts(m, make_face(t, f))) {
+      if (m.face_tag[t][f] == 0) continue;
+      if (m.tet2vert[t][f] == u) continue;
+      for (const VertId w : m.verts(make_face(t, f))) {
         if (w != u && w != v && part_->vert_mark[w] == stamp) ok = false;
       }
     }
@@ -117,7 +117,7 @@ bool Collapser::gather_within(VertId v, VertId u, TetId at, double max_length) {
   return walk_ball(m, v, cavity_->old_tets(), 0, kMaxBall, [&](FaceId f) {
     const TetId nb = face_tet(f);
     if (cavity_->contains(nb)) return true;
-    if (!fits(m.tet2vert[nb][static_cast<std::size_t>(face_side(f))])) return false;
+    if (!fits(m.tet2vert[nb][face_side(f)])) return false;
     cavity_->add(nb);
     return true;
   });
@@ -129,7 +129,7 @@ bool Collapser::facets_can_move(VertId v, VertId u) const noexcept {
     const auto& tv = m.tet2vert[t];
     if (!has_vertex(tv, u)) continue;
     // The tetrahedron vanishes, and its facet at v without u comes to lie on its face opposite v.
-    const auto at_u = static_cast<std::size_t>(local_index(tv, u)), at_v = static_cast<std::size_t>(local_index(tv, v));
+    const auto at_u = local_index(tv, u), at_v = local_index(tv, v);
     const FaceTag facet = m.face_tag[t][at_u], onto = m.face_tag[t][at_v];
     if (facet == 0) continue;
     if (!is_hull(facet) || onto != 0 || m.tet2face[t][at_v] == kNoFace) return false;
@@ -144,7 +144,7 @@ bool Collapser::cone(VertId v, VertId u, double floor_q3) {
     const auto& tv = m.tet2vert[t];
     if (has_vertex(tv, u)) continue;
     // The only outer face that is coned is the one opposite v; faces at v are inner ones or walls.
-    const auto k = face_verts(m, make_face(t, local_index(tv, v)));
+    const auto k = m.verts(make_face(t, local_index(tv, v)));
     if (!cavity_->propose(u, k[0], k[1], k[2], m.tet_ref[t], floor_q3)) return false;
   }
   return true;
@@ -216,7 +216,7 @@ bool Collapser::relaxes(VertId v, VertId u, TetId at) {
     was += p.strain(v, w);
     return true;
   };
-  for (int i = 0; i < shell_.ring_size(); ++i) goes(shell_.ring[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < shell_.ring_size(); ++i) goes(shell_.ring[i]);
   for (const TetId t : cavity_->old_tets()) {
     for (const VertId w : p.mesh.tet2vert[t]) {
       if (goes(w)) is += p.strain(u, w);

@@ -105,7 +105,7 @@ bool Improver::reduce_sum_in(TetId t, double floor_q3) {
   const auto tv = part_->mesh.tet2vert[t];
   for (std::size_t e = 0; e < 6; ++e) {
     if ((part_->refused[t] & (1U << e)) != 0) continue;
-    const VertId a = tv[static_cast<std::size_t>(kEdgeVerts[e][0])], b = tv[static_cast<std::size_t>(kEdgeVerts[e][1])];
+    const VertId a = tv[kEdgeVerts[e][0]], b = tv[kEdgeVerts[e][1]];
     if (part_->mesh.has(a, kFrozen) && part_->mesh.has(b, kFrozen)) continue;
     if (swap_->edge_to_reduce_sum(t, a, b, floor_q3)) return true;
     mark_refused(*part_, swap_->shell());

@@ -16,10 +16,7 @@ constexpr auto kBaseEdges = [] {
   std::array<std::array<std::uint8_t, 64>, 4> table{};
   for (std::size_t f = 0; f < 4; ++f) {
     const auto& k = kFaceVerts[f];
-    const auto edge = [&](int i, int j) {
-      return kEdgeOf[static_cast<std::size_t>(k[static_cast<std::size_t>(i)])]
-                    [static_cast<std::size_t>(k[static_cast<std::size_t>(j)])];
-    };
+    const auto edge = [&](int i, int j) { return kEdgeOf[k[i]][k[j]]; };
     for (unsigned bits = 0; bits < 64; ++bits) {
       table[f][bits] = static_cast<std::uint8_t>((bits >> edge(0, 1) & 1U) << 3 | (bits >> edge(0, 2) & 1U) << 4 |
                                                  (bits >> edge(1, 2) & 1U) << 5);
@@ -47,7 +44,7 @@ EdgeBits base_edges(EdgeBits old, std::size_t side) noexcept {
 bool Inserter::is_split_face(FaceId f) const noexcept {
   if (!on_edge_) return false;
   const auto& tv = part_->mesh.tet2vert[face_tet(f)];
-  const VertId apex = tv[static_cast<std::size_t>(face_side(f))];
+  const VertId apex = tv[face_side(f)];
   return apex != shell_.a && apex != shell_.b && has_vertex(tv, shell_.a) && has_vertex(tv, shell_.b);
 }
 
@@ -105,13 +102,13 @@ void Inserter::collect_border() {
   for (std::size_t k = 0; k < n; ++k) {
     const auto [i, s] = outer_[k];
     const TetId t = old[i];
-    const FaceId face = make_face(t, static_cast<int>(s));
+    const FaceId face = make_face(t, s);
     const FaceTag tag = m.face_tag[t][s];
     if (tag != 0 && is_split_face(face)) {
       walled_ = true;
       continue;
     }
-    const auto v = face_verts(m, face);
+    const auto v = m.verts(face);
     border_.push_back({v, m.tet2face[t][s], i, m.tet_ref[t], tag, base_edges(part_->edges[t], s)});
     cone_.add(*part_, v[0], v[1], v[2]);
   }
@@ -186,7 +183,7 @@ bool Inserter::neighbours_too_close(VertId p, double min_length) {
     if (f.behind == kNoFace) continue;
     const TetId nb = face_tet(f.behind);
     if (cavity_->contains(nb)) continue;
-    const VertId v = part_->mesh.tet2vert[nb][static_cast<std::size_t>(face_side(f.behind))];
+    const VertId v = part_->mesh.tet2vert[nb][face_side(f.behind)];
     if (part_->is_shorter(p, v, min_length)) return true;
   }
   return false;
@@ -261,7 +258,7 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
   std::uint8_t flags = 0;
   bool kept = false;
   for (int i = 0; i < shell_.ring_size(); ++i) {
-    const FaceTag tag = shell_.tag[static_cast<std::size_t>(i)];
+    const FaceTag tag = shell_.tag[i];
     if (tag != 0) flags |= kSurface;
     kept = kept || (tag & kRequiredFace) != 0;
   }
@@ -272,7 +269,7 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
 
   on_edge_ = true;
   cavity_->clear();
-  for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[i]);
   const Vec3 x = part.x(a) + s * (part.x(b) - part.x(a));
   const SymTensor log_m = (1 - s) * part.metric.log_at[a] + s * part.metric.log_at[b];
   const VertId p = new_vertex(part, x, log_m, flags);

@@ -134,8 +134,7 @@ class InterfaceRefiner {
   bool split(VertId a, VertId b);
   bool split_fan(TetId t, VertId a, VertId b, VertId p);
   [[nodiscard]] bool is_interface(TetId t, int side) const noexcept {
-    const auto s = static_cast<std::size_t>(side);
-    return part_.mesh.tet2face[t][s] == kNoFace && !is_hull(part_.mesh.face_tag[t][s]);
+    return part_.mesh.tet2face[t][side] == kNoFace && !is_hull(part_.mesh.face_tag[t][side]);
   }
 
   Part& part_;
@@ -160,22 +159,22 @@ void InterfaceRefiner::enqueue(VertId a, VertId b) {
 }
 
 void InterfaceRefiner::add_face(TetId t, int side) {
-  const auto v = face_verts(part_.mesh, make_face(t, side));
+  const auto v = part_.mesh.verts(make_face(t, side));
   for (std::size_t i = 0; i < 3; ++i) faces_.insert(v[i], v[(i + 1) % 3], {v[(i + 2) % 3], t});
 }
 
 void InterfaceRefiner::remove_face(TetId t, int side) {
-  const auto v = face_verts(part_.mesh, make_face(t, side));
+  const auto v = part_.mesh.verts(make_face(t, side));
   for (std::size_t i = 0; i < 3; ++i) faces_.erase(v[i], v[(i + 1) % 3], {v[(i + 2) % 3], t});
 }
 
 void InterfaceRefiner::collect() {
   const TetMesh& m = part_.mesh;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int f = 0; f < 4; ++f) {
+    for (std::size_t f = 0; f < 4; ++f) {
       if (!is_interface(t, f)) continue;
       add_face(t, f);
-      const auto v = face_verts(m, make_face(t, f));
+      const auto v = m.verts(make_face(t, f));
       for (std::size_t i = 0; i < 3; ++i) {
         // Each edge once: when its first face comes.
         int faces = 0;
@@ -190,15 +189,15 @@ bool InterfaceRefiner::split_fan(TetId t, VertId a, VertId b, VertId p) {
   TetMesh& m = part_.mesh;
   if (!gather_shell(m, t, a, b, shell_)) return false;
   cavity_.clear();
-  for (int i = 0; i < shell_.n; ++i) cavity_.add(shell_.tet[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < shell_.n; ++i) cavity_.add(shell_.tet[i]);
   for (const TetId o : cavity_.old_tets()) {
     const auto tv = m.tet2vert[o];
     for (const VertId end : {a, b}) {  // the half that keeps `end`: p in place of the other one
       auto half = tv;
-      half[static_cast<std::size_t>(local_index(tv, end == a ? b : a))] = p;
+      half[local_index(tv, end == a ? b : a)] = p;
       if (!cavity_.propose(half[0], half[1], half[2], half[3], m.tet_ref[o], 0)) return false;
     }
-    for (int f = 0; f < 4; ++f) {
+    for (std::size_t f = 0; f < 4; ++f) {
       if (is_interface(o, f)) remove_face(o, f);
     }
   }
@@ -211,7 +210,7 @@ bool InterfaceRefiner::split_fan(TetId t, VertId a, VertId b, VertId p) {
   }
   cavity_.commit();
   for (const TetId n : cavity_.new_tets()) {
-    for (int f = 0; f < 4; ++f) {
+    for (std::size_t f = 0; f < 4; ++f) {
       if (is_interface(n, f)) add_face(n, f);
     }
   }

@@ -161,8 +161,7 @@ struct Part {
     EdgeBits bits;
     const auto& v = mesh.tet2vert[t];
     for (std::size_t e = 0; e < 6; ++e) {
-      bits.add(e,
-               classify(v[static_cast<std::size_t>(kEdgeVerts[e][0])], v[static_cast<std::size_t>(kEdgeVerts[e][1])]));
+      bits.add(e, classify(v[kEdgeVerts[e][0]], v[kEdgeVerts[e][1]]));
     }
     return bits;
   }
@@ -205,7 +204,7 @@ template <class Visit>
 void measure(const Part& p, const std::array<VertId, 4>& v, unsigned mask, Visit&& visit) {
   for (; mask != 0; mask &= mask - 1) {
     const auto e = static_cast<std::size_t>(std::countr_zero(mask));
-    const VertId a = v[static_cast<std::size_t>(kEdgeVerts[e][0])], b = v[static_cast<std::size_t>(kEdgeVerts[e][1])];
+    const VertId a = v[kEdgeVerts[e][0]], b = v[kEdgeVerts[e][1]];
     const Vec3 d = p.x(b) - p.x(a);
     visit(e, a, b, std::sqrt(quad(p.metric.at[a].m, d)), std::sqrt(quad(p.metric.at[b].m, d)));
   }
@@ -229,8 +228,8 @@ void for_each_dirty(const Part& p, unsigned bits, std::size_t end, Visit&& visit
 }
 
 /// Position of vertex v in its tetrahedron. @pre it is there.
-constexpr int local_index(const std::array<VertId, 4>& tv, VertId v) noexcept {
-  return static_cast<int>(tv[1] == v) + 2 * static_cast<int>(tv[2] == v) + 3 * static_cast<int>(tv[3] == v);
+constexpr std::size_t local_index(const std::array<VertId, 4>& tv, VertId v) noexcept {
+  return std::size_t{tv[1] == v} + 2 * std::size_t{tv[2] == v} + 3 * std::size_t{tv[3] == v};
 }
 constexpr bool has_vertex(const std::array<VertId, 4>& tv, VertId v) noexcept {
   return tv[0] == v || tv[1] == v || tv[2] == v || tv[3] == v;

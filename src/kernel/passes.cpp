@@ -391,9 +391,9 @@ bool Passes::is_bad(TetId t) const noexcept {
   if (part_.q3[t] < limit) return true;
   const EdgeBits bits = part_.edges[t];
   for (unsigned mask = bits.may_be_long | bits.may_be_short; mask != 0; mask &= mask - 1) {
-    const auto& e = kEdgeVerts[static_cast<std::size_t>(std::countr_zero(mask))];
+    const auto& e = kEdgeVerts[std::countr_zero(mask)];
     const auto& tv = part_.mesh.tet2vert[t];
-    const VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
+    const VertId a = tv[e[0]], b = tv[e[1]];
     if (part_.is_longer(a, b, kBadLong)) return true;
     // What is short after two rounds lies between vertices that must stay, as a rule, and costs elements, no accuracy.
     if (!part_.options.only_retry && part_.is_shorter(a, b, kBadShort)) return true;

@@ -7,7 +7,8 @@
 namespace skein {
 
 /// The two other vertices of each edge of kEdgeVerts, so that (edge, opposite) is an even permutation.
-inline constexpr std::array<std::array<int, 2>, 6> kEdgeOpposite{{{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
+inline constexpr std::array<std::array<std::size_t, 2>, 6> kEdgeOpposite{
+    {{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
 
 /// The tetrahedra round edge (a, b) in order: tet[i] = (a, b, ring[i], ring[i+1]), positively oriented. A closed shell
 /// has n ring vertices (ring[n] == ring[0]), an open one n+1, its first and last face being without a neighbour.

@@ -52,11 +52,11 @@ bool Smoother::freedom(VertId v, Freedom& free) {
   bool first = true;
   for (const FaceId at : ball_) {
     const TetId t = face_tet(at);
-    for (int f = 0; f < 4; ++f) {
-      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][f];
       if (tag == 0 || f == face_side(at)) continue;
       if ((tag & kRequiredFace) != 0) return false;
-      const auto k = face_verts(m, make_face(t, f));
+      const auto k = m.verts(make_face(t, f));
       if (ridge) {
         for (const VertId w : k) {
           if (w == v || !m.has(w, kRidge | kCorner) || m.features.find(v, w) == nullptr) continue;
@@ -127,7 +127,7 @@ Vec3 Smoother::spring_step(VertId v, const Freedom& free) const {
 bool Smoother::interpolate_from_anchor(VertId v, Vec3 x, SymTensor& log_m) {
   const auto& [from, log_from] = part_->anchors[v];
   const Cone::Place place = cone_.locate(from, x - from);
-  const auto k = face_verts(part_->mesh, ball_[place.face]);
+  const auto k = part_->mesh.verts(ball_[place.face]);
   const auto& w = place.weight;
   const double rest = 1 - w[0] - w[1] - w[2];
   constexpr double kRounding = -1e-6;
@@ -141,7 +141,7 @@ bool Smoother::interpolate_from_anchor(VertId v, Vec3 x, SymTensor& log_m) {
 bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
   if (!part_->anchors.empty() && interpolate_from_anchor(v, part_->x(v) + step, log_m)) return true;
   const Cone::Place place = cone_.locate(part_->x(v), step);
-  const auto k = face_verts(part_->mesh, ball_[place.face]);
+  const auto k = part_->mesh.verts(ball_[place.face]);
   double rest = 1;
   log_m = {};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -185,7 +185,7 @@ void Smoother::mark_changed(VertId v) {
     p.q3[t] = static_cast<float>(cone_.q3(i));
     p.dirty[t] = kAnew;
     const auto& tv = p.mesh.tet2vert[t];
-    const auto& edge_of = kEdgeOf[static_cast<std::size_t>(face_side(ball_[i]))];
+    const auto& edge_of = kEdgeOf[face_side(ball_[i])];
     EdgeBits edges = p.edges[t];
     edges.keep(~(1U << edge_of[0] | 1U << edge_of[1] | 1U << edge_of[2] | 1U << edge_of[3]));
     for (std::size_t k = 0; any != 0 && k < 4; ++k) edges.add(edge_of[k], p.edge_class[tv[k]]);
@@ -197,7 +197,7 @@ double Smoother::judge(Vec3 x, const VertMetric& m, double bound) {
   double low = cone_.judge(x, m);
   if (!part_->careful || !(low > 0) || low < bound) return low;
   for (std::size_t i = 0; i < ball_.size() && low >= bound; ++i) {
-    const auto k = face_verts(part_->mesh, ball_[i]);
+    const auto k = part_->mesh.verts(ball_[i]);
     const auto& y = part_->mesh.coords;
     const auto& n = part_->metric.at;
     const double q = least_quality_cubed(x, y[k[0]], y[k[1]], y[k[2]], m, n[k[0]], n[k[1]], n[k[2]]);
@@ -240,7 +240,7 @@ void Smoother::index_balls() {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
     for (std::size_t k = 0; k < 4; ++k) {
-      balls_[static_cast<std::size_t>(first_[idx(m.tet2vert[t][k])]++)] = make_face(t, static_cast<int>(k));
+      balls_[static_cast<std::size_t>(first_[idx(m.tet2vert[t][k])]++)] = make_face(t, k);
     }
   }
   // Every start has moved to the next one's.
@@ -291,7 +291,7 @@ bool Smoother::gather(VertId v, Ball& ball) {
   if (p.mesh.has(v, kFrozen | kCorner | kRequired) || !find_ball(v) || !freedom(v, ball.free)) return false;
   cone_.clear();
   for (const FaceId f : ball_) {
-    const auto k = face_verts(p.mesh, f);
+    const auto k = p.mesh.verts(f);
     cone_.add(p, k[0], k[1], k[2]);
     const double q = p.q3[face_tet(f)];
     ball.sum += 1 / std::max(q, 1e-30);

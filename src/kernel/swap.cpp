@@ -11,11 +11,11 @@ constexpr std::size_t u(int i) noexcept { return static_cast<std::size_t>(i); }
 
 bool Swapper::surface_swap_allowed() {
   const TetMesh& m = part_->mesh;
-  const FaceTag first = shell_.tag[0], last = shell_.tag[u(shell_.n)];
+  const FaceTag first = shell_.tag[0], last = shell_.tag[shell_.n];
   if (shell_.n < 2 || first != last || (first & kRequiredFace) != 0 || !part_->options.surface) return false;
   const VertId a = shell_.a, b = shell_.b;
   if (m.has(a, kRidge) && m.has(b, kRidge) && m.features.find(a, b) != nullptr) return false;
-  const Vec3 xa = part_->x(a), xb = part_->x(b), x0 = part_->x(shell_.ring[0]), x1 = part_->x(shell_.ring[u(shell_.n)]);
+  const Vec3 xa = part_->x(a), xb = part_->x(b), x0 = part_->x(shell_.ring[0]), x1 = part_->x(shell_.ring[shell_.n]);
   // Outward normals of the two old and the two new triangles. ring[0] .. ring[n] turns counter-clockwise seen from b,
   // with the domain between; outside of the first face is a, b reversed.
   const Vec3 old0 = cross(xb - xa, x0 - xa), old1 = cross(x1 - xa, xb - xa);
@@ -33,25 +33,25 @@ bool Swapper::surface_swap_allowed() {
 
 bool Swapper::may_connect(int i, int j) const noexcept {
   if (j - i < 2 || (shell_.closed && j - i == shell_.n - 1)) return true;
-  return part_->strain(shell_.ring[u(i)], shell_.ring[u(j)]) < max_strain_;
+  return part_->strain(shell_.ring[i], shell_.ring[j]) < max_strain_;
 }
 
 double Swapper::best_triangulation(int ring) {
   const VertId a = shell_.a, b = shell_.b;
   const auto q = [&](int i, int j, int k) {
-    const VertId p = shell_.ring[u(i)], r = shell_.ring[u(j)], s = shell_.ring[u(k)];
+    const VertId p = shell_.ring[i], r = shell_.ring[j], s = shell_.ring[k];
     const double top = part_->quality_cubed(p, r, s, b);
     if (top <= bound_) return top;
     return std::min(top, part_->quality_cubed(p, s, r, a));
   };
-  for (int i = 0; i + 1 < ring; ++i) best_[u(i)][u(i + 1)] = 1;
+  for (int i = 0; i + 1 < ring; ++i) best_[i][i + 1] = 1;
   for (int len = 2; len < ring; ++len) {
     for (int i = 0; i + len < ring; ++i) {
       const int j = i + len;
       double best = -1;
       int at = i + 1;
       for (int k = i + 1; k < j; ++k) {
-        const double sides = std::min(best_[u(i)][u(k)], best_[u(k)][u(j)]);
+        const double sides = std::min(best_[i][k], best_[k][j]);
         if (sides <= std::max(best, bound_)) continue;
         if (max_strain_ < kAnyStrain && !(may_connect(i, k) && may_connect(k, j))) continue;
         const double w = std::min(sides, q(i, k, j));
@@ -60,46 +60,46 @@ double Swapper::best_triangulation(int ring) {
           at = k;
         }
       }
-      best_[u(i)][u(j)] = best;
-      split_[u(i)][u(j)] = at;
+      best_[i][j] = best;
+      split_[i][j] = at;
     }
   }
-  return best_[0][u(ring - 1)];
+  return best_[0][ring - 1];
 }
 
 double Swapper::lightest_triangulation(int ring) {
   constexpr double kRefused = 1e300;
   const VertId a = shell_.a, b = shell_.b;
   const auto weight = [&](int i, int j, int k) {
-    const VertId p = shell_.ring[u(i)], r = shell_.ring[u(j)], s = shell_.ring[u(k)];
+    const VertId p = shell_.ring[i], r = shell_.ring[j], s = shell_.ring[k];
     const double top = part_->quality_cubed(p, r, s, b);
     if (top <= bound_) return kRefused;
     const double under = part_->quality_cubed(p, s, r, a);
     return under <= bound_ ? kRefused : inverse_sixth_power(top) + inverse_sixth_power(under);
   };
-  for (int i = 0; i + 1 < ring; ++i) best_[u(i)][u(i + 1)] = 0;
+  for (int i = 0; i + 1 < ring; ++i) best_[i][i + 1] = 0;
   for (int len = 2; len < ring; ++len) {
     for (int i = 0; i + len < ring; ++i) {
       const int j = i + len;
       double best = kRefused;
       int at = i + 1;
       for (int k = i + 1; k < j; ++k) {
-        const double sides = best_[u(i)][u(k)] + best_[u(k)][u(j)];
+        const double sides = best_[i][k] + best_[k][j];
         if (sides >= best) continue;
         const double w = sides + weight(i, k, j);
         if (w < best) best = w, at = k;
       }
-      best_[u(i)][u(j)] = best;
-      split_[u(i)][u(j)] = at;
+      best_[i][j] = best;
+      split_[i][j] = at;
     }
   }
-  return best_[0][u(ring - 1)];
+  return best_[0][ring - 1];
 }
 
 bool Swapper::list_triangles(int i, int j) {
   if (j - i < 2) return true;
-  const int k = split_[u(i)][u(j)];
-  const VertId p = shell_.ring[u(i)], r = shell_.ring[u(k)], s = shell_.ring[u(j)];
+  const int k = split_[i][j];
+  const VertId p = shell_.ring[i], r = shell_.ring[k], s = shell_.ring[j];
   const double with_b = cavity_->judge(p, r, s, shell_.b), with_a = cavity_->judge(p, s, r, shell_.a);
   if (!(with_b > bound_) || !(with_a > bound_)) return false;
   triangles_.push_back({i, k, j, with_b, with_a});
@@ -109,11 +109,11 @@ bool Swapper::list_triangles(int i, int j) {
 void Swapper::swap_with_walls(int ring) {
   const std::int32_t ref = part_->mesh.tet_ref[shell_.tet[0]];
   for (const RingTriangle& t : triangles_) {
-    const VertId p = shell_.ring[u(t.i)], r = shell_.ring[u(t.k)], s = shell_.ring[u(t.j)];
+    const VertId p = shell_.ring[t.i], r = shell_.ring[t.k], s = shell_.ring[t.j];
     cavity_->accept(p, r, s, shell_.b, ref, t.with_b);
     cavity_->accept(p, s, r, shell_.a, ref, t.with_a);
   }
-  const VertId r0 = shell_.ring[0], r1 = shell_.ring[u(ring - 1)];
+  const VertId r0 = shell_.ring[0], r1 = shell_.ring[ring - 1];
   cavity_->wall(r0, r1, shell_.a, shell_.tag[0]);
   cavity_->wall(r0, r1, shell_.b, shell_.tag[0]);
   cavity_->commit();
@@ -132,7 +132,7 @@ bool Swapper::gather(TetId t, VertId a, VertId b, int max_ring) {
 
 double Swapper::worst_of_shell() const noexcept {
   float worst = 1;
-  for (int i = 0; i < shell_.n; ++i) worst = std::min(worst, part_->q3[shell_.tet[u(i)]]);
+  for (int i = 0; i < shell_.n; ++i) worst = std::min(worst, part_->q3[shell_.tet[i]]);
   return worst;
 }
 
@@ -146,7 +146,7 @@ bool Swapper::make_triangles() {
   triangles_.clear();
   if (!list_triangles(0, ring - 1)) return false;
   cavity_->clear();
-  for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[u(i)]);
+  for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[i]);
   if (shell_.closed) {
     cavity_->commit_ring(shell_, triangles_);
   } else {
@@ -178,7 +178,7 @@ bool Swapper::edge_to_reduce_sum(TetId t, VertId a, VertId b, double floor_q3) {
   if (!gather(t, a, b, kMaxRing)) return false;
   bound_ = std::max(0.999 * std::min(worst_of_shell(), floor_q3), 1e-15);
   double sum = 0;
-  for (int i = 0; i < shell_.n; ++i) sum += inverse_sixth_power(static_cast<double>(part_->q3[shell_.tet[u(i)]]));
+  for (int i = 0; i < shell_.n; ++i) sum += inverse_sixth_power(static_cast<double>(part_->q3[shell_.tet[i]]));
   return lightest_triangulation(shell_.ring_size()) < kGain * sum && make_triangles();
 }
 
@@ -187,7 +187,7 @@ bool Swapper::any_edge(TetId t, int max_ring, bool remember) {
   const unsigned skip = (remember ? part_->refused[t] : 0U) | (max_ring <= 4 ? large_rings(part_->mesh, t) : 0U);
   for (std::size_t e = 0; e < 6; ++e) {
     if ((skip & (1U << e)) != 0) continue;
-    if (edge(t, v[u(kEdgeVerts[e][0])], v[u(kEdgeVerts[e][1])], max_ring)) return true;
+    if (edge(t, v[kEdgeVerts[e][0]], v[kEdgeVerts[e][1]], max_ring)) return true;
     if (remember) mark_refused(*part_, shell_);
   }
   return false;
@@ -195,7 +195,7 @@ bool Swapper::any_edge(TetId t, int max_ring, bool remember) {
 
 bool Swapper::any(TetId t) {
   if (any_edge(t, kMaxRing, false)) return true;
-  for (int f = 0; f < 4; ++f) {
+  for (std::size_t f = 0; f < 4; ++f) {
     if (face(make_face(t, f))) return true;
   }
   return false;
@@ -204,14 +204,14 @@ bool Swapper::any(TetId t) {
 bool Swapper::face(FaceId f, double gain) {
   const TetMesh& m = part_->mesh;
   const TetId t = face_tet(f);
-  const FaceId g = m.tet2face[t][u(face_side(f))];
-  if (g == kNoFace || m.face_tag[t][u(face_side(f))] != 0) return false;
-  const VertId d = m.tet2vert[t][u(face_side(f))], e = m.tet2vert[face_tet(g)][u(face_side(g))];
+  const FaceId g = m.tet2face[t][face_side(f)];
+  if (g == kNoFace || m.face_tag[t][face_side(f)] != 0) return false;
+  const VertId d = m.tet2vert[t][face_side(f)], e = m.apex(g);
   cavity_->clear();
   cavity_->add(t);
   cavity_->add(face_tet(g));
   const double bound = std::max(gain * cavity_->old_min_q3(), 1e-15);
-  const auto k = face_verts(m, f);  // outward from t: (d, k0, k1, k2) is positive, e is on the other side
+  const auto k = m.verts(f);  // outward from t: (d, k0, k1, k2) is positive, e is on the other side
   const std::int32_t ref = m.tet_ref[t];
   for (std::size_t i = 0; i < 3; ++i) {
     if (!cavity_->propose(d, k[i], k[(i + 1) % 3], e, ref, bound)) return false;

@@ -20,8 +20,7 @@ struct SortedFace {
 };
 SortedFace sorted_face(const std::array<VertId, 4>& v, std::size_t side) noexcept {
   const auto& k = kFaceVerts[side];
-  VertId a = v[static_cast<std::size_t>(k[0])], b = v[static_cast<std::size_t>(k[1])],
-         c = v[static_cast<std::size_t>(k[2])];
+  VertId a = v[k[0]], b = v[k[1]], c = v[k[2]];
   if (b < a) std::swap(a, b);
   if (c < b) std::swap(b, c);
   if (b < a) std::swap(a, b);
@@ -54,12 +53,12 @@ void build_adjacency(TetMesh& m) {
     for (const VertId w : v) m.vert2tet[w] = t;
     for (std::size_t f = 0; f < 4; ++f) {
       const SortedFace key = sorted_face(v, f);
-      const FaceId me = make_face(t, static_cast<int>(f));
+      const FaceId me = make_face(t, f);
       std::int32_t* link = &head[idx(key.a)];
       while (*link >= 0) {
         const FaceId other{*link};
-        if (sorted_face(m.tet2vert[face_tet(other)], static_cast<std::size_t>(face_side(other))) == key) {
-          auto& back = m.tet2face[face_tet(other)][static_cast<std::size_t>(face_side(other))];
+        if (sorted_face(m.tet2vert[face_tet(other)], face_side(other)) == key) {
+          auto& back = m.neighbour(other);
           if (back != kNoFace) throw_crowded(m, key);
           back = me;
           m.tet2face[t][f] = other;
@@ -77,9 +76,9 @@ void mark_boundary_vertices(TetMesh& m) {
   for (auto& f : m.vert_flags) f = static_cast<std::uint8_t>(f & ~(kSurface | kRidge));
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
-    for (int f = 0; f < 4; ++f) {
-      if (m.face_tag[t][static_cast<std::size_t>(f)] == 0) continue;
-      for (const VertId v : face_verts(m, make_face(t, f))) m.vert_flags[v] |= kSurface;
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (m.face_tag[t][f] == 0) continue;
+      for (const VertId v : m.verts(make_face(t, f))) m.vert_flags[v] |= kSurface;
     }
   }
   for (const auto& e : m.features.list()) {

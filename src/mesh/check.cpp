@@ -11,32 +11,31 @@ namespace skein {
 namespace {
 
 std::string check_faces(const TetMesh& m, TetId t) {
-  for (int f = 0; f < 4; ++f) {
-    const auto s = static_cast<std::size_t>(f);
-    const FaceId other = m.tet2face[t][s];
-    const FaceTag tag = m.face_tag[t][s];
+  for (std::size_t f = 0; f < 4; ++f) {
+    const FaceId other = m.tet2face[t][f];
+    const FaceTag tag = m.face_tag[t][f];
     if (tag != 0 && static_cast<std::size_t>(tag_patch(tag)) >= m.patch_ref.size()) {
       return fmt::format("face {} of tetrahedron {} has patch {} of {}", f, num(t), tag_patch(tag), m.patch_ref.size());
     }
-    auto mine = face_verts(m, make_face(t, f));
+    auto mine = m.verts(make_face(t, f));
     for (const VertId v : mine) {
       if (tag != 0 && !m.has(v, kSurface)) return fmt::format("vertex {} on a tagged face lacks kSurface", num(v));
     }
     if (other == kNoFace) continue;
     if (!m.is_live(face_tet(other))) return fmt::format("tetrahedron {} has a dead neighbour over face {}", num(t), f);
-    if (m.tet2face[face_tet(other)][static_cast<std::size_t>(face_side(other))] != make_face(t, f)) {
+    if (m.neighbour(other) != make_face(t, f)) {
       return fmt::format("adjacency of tetrahedron {} over face {} is not symmetric", num(t), f);
     }
-    if (m.face_tag[face_tet(other)][static_cast<std::size_t>(face_side(other))] != tag) {
+    if (m.tag(other) != tag) {
       return fmt::format("the two sides of face {} of tetrahedron {} have different tags", f, num(t));
     }
     if (is_hull(tag)) return fmt::format("hull face {} of tetrahedron {} has a neighbour", f, num(t));
-    auto theirs = face_verts(m, other);
+    auto theirs = m.verts(other);
     std::swap(theirs[1], theirs[2]);  // seen from the other side
     const auto at = std::find(theirs.begin(), theirs.end(), mine[0]);
     std::rotate(theirs.begin(), at, theirs.end());
     if (at == theirs.end() || mine != theirs) {
-      return fmt::format("face {} of tetrahedron {} and its neighbour's face do not have the same vertices", f, num(t));
+      return fmt::format("face {} of tetrahedron {} and its neighbour'f face do not have the same vertices", f, num(t));
     }
   }
   return {};
@@ -94,10 +93,10 @@ double patch_area(const TetMesh& m, int patch) noexcept {
   double sum = 0;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
-    for (int f = 0; f < 4; ++f) {
-      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][f];
       if (tag == 0 || tag_patch(tag) != patch) continue;
-      const auto v = face_verts(m, make_face(t, f));
+      const auto v = m.verts(make_face(t, f));
       sum += norm(cross(m.coords[v[1]] - m.coords[v[0]], m.coords[v[2]] - m.coords[v[0]])) / 2;
     }
   }

@@ -16,7 +16,7 @@ std::size_t FeatureEdges::slot(VertId a, VertId b) const noexcept {
   const std::size_t mask = table_.size() - 1;
   std::size_t s = mix(a, b) & mask;
   while (table_[s] >= 0) {
-    const auto& e = list_[static_cast<std::size_t>(table_[s])];
+    const auto& e = list_[table_[s]];
     if (e.a == a && e.b == b) break;
     s = (s + 1) & mask;
   }
@@ -27,7 +27,7 @@ const FeatureEdge* FeatureEdges::find(VertId a, VertId b) const noexcept {
   if (list_.empty()) return nullptr;
   if (b < a) std::swap(a, b);
   const auto at = table_[slot(a, b)];
-  return at < 0 ? nullptr : &list_[static_cast<std::size_t>(at)];
+  return at < 0 ? nullptr : &list_[at];
 }
 
 void FeatureEdges::rehash(std::size_t capacity) {
@@ -40,7 +40,7 @@ void FeatureEdges::insert(VertId a, VertId b, std::int32_t ref, bool ridge) {
   if (2 * (list_.size() + 1) > table_.size()) rehash(std::max<std::size_t>(16, 2 * table_.size()));
   const std::size_t s = slot(a, b);
   if (table_[s] >= 0) {
-    list_[static_cast<std::size_t>(table_[s])] = {a, b, ref, ridge};
+    list_[table_[s]] = {a, b, ref, ridge};
     return;
   }
   table_[s] = static_cast<std::int32_t>(list_.size());
@@ -56,7 +56,7 @@ void FeatureEdges::erase(VertId a, VertId b) noexcept {
   const auto gone = static_cast<std::size_t>(table_[gap]);
   table_[gap] = -1;
   for (std::size_t s = (gap + 1) & mask; table_[s] >= 0; s = (s + 1) & mask) {
-    const auto& e = list_[static_cast<std::size_t>(table_[s])];
+    const auto& e = list_[table_[s]];
     const std::size_t home = mix(e.a, e.b) & mask;
     if (((s - home) & mask) >= ((s - gap) & mask)) {
       table_[gap] = table_[s];

@@ -24,7 +24,7 @@ void move_tet(TetMesh& m, TetId from, TetId to) {
   for (const VertId v : m.tet2vert[to]) m.vert2tet[v] = to;
   for (std::size_t k = 0; k < 4; ++k) {
     const FaceId f = m.tet2face[to][k];
-    if (f != kNoFace) link_faces(m, f, make_face(to, static_cast<int>(k)));
+    if (f != kNoFace) m.link(f, make_face(to, k));
   }
 }
 
@@ -38,7 +38,7 @@ class FaceTable {
   explicit FaceTable(std::size_t n) : sides_(std::bit_ceil(2 * n + 1)) {}
   /// The place of a face with these vertices, or the free one where it would be.
   FaceId& at(const TetMesh& m, FaceId f) noexcept {
-    auto v = face_verts(m, f);
+    auto v = m.verts(f);
     std::sort(v.begin(), v.end());
     const std::int64_t low = std::int64_t{num(v[0])} << 32 | num(v[1]);
     const auto key = static_cast<std::uint64_t>(low) + static_cast<std::uint64_t>(num(v[2])) * 0xbf58476d1ce4e5b9U;
@@ -68,12 +68,12 @@ void link_equal_faces(TetMesh& m, std::span<const FaceId> faces, std::span<const
     if (place == kNoFace) {
       place = f;
     } else {
-      link_faces(m, place, f);  // what is linked stays, as others may have been pushed on by it
+      m.link(place, f);  // what is linked stays, as others may have been pushed on by it
     }
   }
   for (const FaceId f : others) {
     const FaceId g = table.at(m, f);
-    if (g != kNoFace) link_faces(m, f, g);
+    if (g != kNoFace) m.link(f, g);
   }
 }
 

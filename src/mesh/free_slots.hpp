@@ -31,12 +31,6 @@ void reserve_with_slack(Vector& v, std::size_t n) {
   if (n > v.capacity()) v.reserve(n + n / kSlack);
 }
 
-/// Makes two faces neighbours.
-inline void link_faces(TetMesh& m, FaceId f, FaceId g) noexcept {
-  m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = g;
-  m.tet2face[face_tet(g)][static_cast<std::size_t>(face_side(g))] = f;
-}
-
 /// Makes neighbours of those among the faces that have the same vertices, also with one of the others; that two others
 /// have is not looked for. @pre no three have the same.
 void link_equal_faces(TetMesh& m, std::span<const FaceId> faces, std::span<const FaceId> others = {});

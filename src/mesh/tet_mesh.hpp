@@ -32,9 +32,9 @@ constexpr int tag_patch(FaceTag t) noexcept { return static_cast<int>(t & kPatch
 constexpr bool is_hull(FaceTag t) noexcept { return (t & kHullFace) != 0; }
 
 /// The vertices of face f, counter-clockwise seen from outside.
-inline constexpr std::array<std::array<int, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+inline constexpr std::array<std::array<std::size_t, 3>, 4> kFaceVerts{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 /// The two vertices of each of the six edges.
-inline constexpr std::array<std::array<int, 2>, 6> kEdgeVerts{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<std::size_t, 2>, 6> kEdgeVerts{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 /// Tetrahedra with adjacency. A tetrahedron is oriented so that det(v1-v0, v2-v0, v3-v0) > 0.
 /// A free slot has tet2vert[t][0] == kNoVert; a free vertex has vert2tet == kNoTet.
@@ -66,6 +66,28 @@ struct TetMesh {
     face_tag.reserve(tets);
     tet_ref.reserve(tets);
   }
+  /// The face behind face f, of the neighbour; kNoFace: none here.
+  [[nodiscard]] FaceId neighbour(FaceId f) const noexcept { return tet2face[face_tet(f)][face_side(f)]; }
+  [[nodiscard]] FaceId& neighbour(FaceId f) noexcept { return tet2face[face_tet(f)][face_side(f)]; }
+  [[nodiscard]] FaceTag tag(FaceId f) const noexcept { return face_tag[face_tet(f)][face_side(f)]; }
+  [[nodiscard]] FaceTag& tag(FaceId f) noexcept { return face_tag[face_tet(f)][face_side(f)]; }
+  /// The vertex of the tetrahedron that is opposite face f.
+  [[nodiscard]] VertId apex(FaceId f) const noexcept { return tet2vert[face_tet(f)][face_side(f)]; }
+  /// The vertices of face f, counter-clockwise seen from outside the tetrahedron.
+  [[nodiscard]] std::array<VertId, 3> verts(FaceId f) const noexcept {
+    const auto& v = tet2vert[face_tet(f)];
+    const auto& k = kFaceVerts[face_side(f)];
+    return {v[k[0]], v[k[1]], v[k[2]]};
+  }
+  /// The ends of edge e (of kEdgeVerts) of t.
+  [[nodiscard]] std::array<VertId, 2> edge_verts(TetId t, std::size_t e) const noexcept {
+    return {tet2vert[t][kEdgeVerts[e][0]], tet2vert[t][kEdgeVerts[e][1]]};
+  }
+  /// Makes two faces neighbours.
+  void link(FaceId f, FaceId g) noexcept {
+    neighbour(f) = g;
+    neighbour(g) = f;
+  }
   [[nodiscard]] bool is_live(TetId t) const noexcept { return tet2vert[t][0] != kNoVert; }
   [[nodiscard]] bool is_live(VertId v) const noexcept { return vert2tet[v] != kNoTet; }
   [[nodiscard]] bool has(VertId v, std::uint8_t flags) const noexcept { return (vert_flags[v] & flags) != 0; }
@@ -75,12 +97,6 @@ struct TetMesh {
 inline double volume6(const TetMesh& m, TetId t) noexcept {
   const auto& v = m.tet2vert[t];
   return volume6(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]);
-}
-/// The vertices of a face, counter-clockwise seen from outside the tetrahedron.
-inline std::array<VertId, 3> face_verts(const TetMesh& m, FaceId f) noexcept {
-  const auto& v = m.tet2vert[face_tet(f)];
-  const auto& k = kFaceVerts[static_cast<std::size_t>(face_side(f))];
-  return {v[static_cast<std::size_t>(k[0])], v[static_cast<std::size_t>(k[1])], v[static_cast<std::size_t>(k[2])]};
 }
 
 }  // namespace skein

@@ -109,7 +109,7 @@ class Coordinates {
   }
   [[nodiscard]] Vec3 operator[](GlobalId g) const noexcept {
     if (is_own(g)) return mesh_->coords[own(g)];
-    return coords_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), g) - ids_.begin())];
+    return coords_[std::lower_bound(ids_.begin(), ids_.end(), g) - ids_.begin()];
   }
 
  private:
@@ -205,8 +205,7 @@ std::vector<Edge> match_faces(const Comm& comm, const MeshSlice& mesh, Findings&
       const auto& v = mesh.tets.verts[t];
       for (std::size_t f = 0; f < 4; ++f) {
         const auto& k = kFaceVerts[f];
-        put({v[static_cast<std::size_t>(k[0])], v[static_cast<std::size_t>(k[1])], v[static_cast<std::size_t>(k[2])]},
-            v[f], mesh.tets.first + static_cast<std::int64_t>(t));
+        put({v[k[0]], v[k[1]], v[k[2]]}, v[f], mesh.tets.first + static_cast<std::int64_t>(t));
       }
     }
     for (std::size_t t = 0; t < mesh.triangles.verts.size(); ++t) {
@@ -344,7 +343,7 @@ void locate(const Comm& comm, const MeshSlice& mesh, std::vector<Finding>& findi
     for (std::size_t c = 0; c < static_cast<std::size_t>(findings[i].corners); ++c) {
       const std::int64_t own = num(findings[i].verts[c]) - mesh.first_vert;
       if (own < 0 || own >= static_cast<std::int64_t>(mesh.coords.size())) continue;
-      const Vec3 p = mesh.coords[static_cast<std::size_t>(own)];
+      const Vec3 p = mesh.coords[own];
       x[at(i, c)] = p.x, x[at(i, c) + 1] = p.y, x[at(i, c) + 2] = p.z;
     }
   }

@@ -40,8 +40,7 @@ std::string line(const Finding& f) {
     text += f.entity < 0                           ? "edge, vertices"
             : f.corners == 3 && w.entity[1] == 'e' ? ", face with vertices"
                                                    : ", vertices";
-    for (std::int32_t c = 0; c < f.corners; ++c)
-      text += fmt::format(" {}", num(f.verts[static_cast<std::size_t>(c)]) + 1);
+    for (std::int32_t c = 0; c < f.corners; ++c) text += fmt::format(" {}", num(f.verts[c]) + 1);
   }
   const Vec3 at = f.at();
   text += fmt::format(" at ({:.9g}, {:.9g}, {:.9g})", at.x, at.y, at.z);
@@ -55,7 +54,7 @@ std::string line(const Finding& f) {
 
 Vec3 Finding::at() const noexcept {
   Vec3 sum;
-  for (std::int32_t c = 0; c < corners; ++c) sum += coords[static_cast<std::size_t>(c)];
+  for (std::int32_t c = 0; c < corners; ++c) sum += coords[c];
   return (1.0 / corners) * sum;
 }
 
@@ -100,7 +99,7 @@ Json to_json(const CheckResult& r) {
     if (f.entity >= 0) one[words(f.fault).entity] = f.entity + 1;
     if (f.other >= 0) one["other"] = f.other + 1;
     Json verts = Json::array();
-    for (std::int32_t c = 0; c < f.corners; ++c) verts.push_back(num(f.verts[static_cast<std::size_t>(c)]) + 1);
+    for (std::int32_t c = 0; c < f.corners; ++c) verts.push_back(num(f.verts[c]) + 1);
     one["vertices"] = verts;
     const Vec3 at = f.at();
     one["at"] = {at.x, at.y, at.z};

@@ -69,8 +69,7 @@ class Judge {
     std::array<VecLanes, 4> normal;
     for (std::size_t f = 0; f < 4; ++f) {
       const auto& k = kFaceVerts[f];
-      const VecLanes &p = b.x[static_cast<std::size_t>(k[0])], &q = b.x[static_cast<std::size_t>(k[1])],
-                     &r = b.x[static_cast<std::size_t>(k[2])];
+      const VecLanes &p = b.x[k[0]], &q = b.x[k[1]], &r = b.x[k[2]];
       for (std::size_t l = 0; l < kLanes; ++l) {
         const Vec3 c = cross({q[0][l] - p[0][l], q[1][l] - p[1][l], q[2][l] - p[2][l]},
                              {r[0][l] - p[0][l], r[1][l] - p[1][l], r[2][l] - p[2][l]});
@@ -79,7 +78,7 @@ class Judge {
       }
     }
     for (const auto& e : kEdgeVerts) {
-      const VecLanes &p = normal[static_cast<std::size_t>(e[0])], &q = normal[static_cast<std::size_t>(e[1])];
+      const VecLanes &p = normal[e[0]], &q = normal[e[1]];
       Lanes c;
       for (std::size_t l = 0; l < kLanes; ++l) {
         const double exact = -(p[0][l] * q[0][l] + p[1][l] * q[1][l] + p[2][l] * q[2][l]);

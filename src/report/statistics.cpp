@@ -42,8 +42,7 @@ TetSums tet_pass(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, s
   std::vector<TetSums> sums(static_cast<std::size_t>(threads));
   const std::size_t n = m.tet_slots();
   in_parallel(threads, [&](int w) {
-    sums[static_cast<std::size_t>(w)] =
-        element_pass(m, metric, share_begin(n, w, threads), share_begin(n, w + 1, threads), quality);
+    sums[w] = element_pass(m, metric, share_begin(n, w, threads), share_begin(n, w + 1, threads), quality);
   });
   TetSums all;
   for (const TetSums& s : sums) all += s;
@@ -180,8 +179,7 @@ Edges edges_of(const Comm& comm, const DistMesh& dist, const IdVector<VertId, Ve
   std::vector<EdgeSums> sums(static_cast<std::size_t>(threads));
   const std::size_t n = dist.mesh.vert_slots();
   in_parallel(threads, [&](int w) {
-    sums[static_cast<std::size_t>(w)] =
-        edge_pass(dist, metric, is_shared, share_begin(n, w, threads), share_begin(n, w + 1, threads));
+    sums[w] = edge_pass(dist, metric, is_shared, share_begin(n, w, threads), share_begin(n, w + 1, threads));
   });
   Edges all;
   std::vector<LocalEdge> shared;
@@ -220,14 +218,14 @@ Summary<kBounds> summary(Pieces values, const std::array<double, kBounds>& bound
   std::vector<Summary<kBounds>> of_piece(values.size());
   in_parallel(static_cast<int>(values.size()), [&](int w) {
     Summary<kBounds> s;
-    for (const double v : values[static_cast<std::size_t>(w)]) {
+    for (const double v : values[w]) {
       s.low = std::min(s.low, v), s.high = std::max(s.high, v), s.sum += v;
       std::size_t bin = 0;
       for (const double bound : bounds) bin += v >= bound ? 1 : 0;
       ++s.histogram[bin];
       s.inside += v >= inside.low && v <= inside.high ? 1 : 0;
     }
-    of_piece[static_cast<std::size_t>(w)] = s;
+    of_piece[w] = s;
   });
   Summary<kBounds> all;
   for (const auto& s : of_piece) {

@@ -99,7 +99,7 @@ class MetricSweeps {
     const auto& gids = dist_.sharing.gid;
     for (std::size_t i = 0; i < demands_.size();) {
       const auto place = std::lower_bound(gids.begin(), gids.end(), demands_[i].vert) - gids.begin();
-      const VertId v = dist_.sharing.vert[static_cast<std::size_t>(place)];
+      const VertId v = dist_.sharing.vert[place];
       SymTensor m = metric_[idx(v)];
       std::size_t k = i;
       for (; k < demands_.size() && demands_[k].vert == demands_[i].vert; ++k) {

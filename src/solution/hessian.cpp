@@ -99,9 +99,9 @@ constexpr double kLeastSpan = 1e-3;
 std::vector<std::int32_t> hull_vertices(const TetMesh& mesh, const Halo& halo) {
   std::vector<std::int32_t> hull(mesh.vert_slots(), 0);
   for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
-    for (int side = 0; side < 4; ++side) {
-      if (!is_hull(mesh.face_tag[t][static_cast<std::size_t>(side)])) continue;
-      for (const VertId v : face_verts(mesh, make_face(t, side))) hull[idx(v)] = 1;
+    for (std::size_t side = 0; side < 4; ++side) {
+      if (!is_hull(mesh.face_tag[t][side])) continue;
+      for (const VertId v : mesh.verts(make_face(t, side))) hull[idx(v)] = 1;
     }
   }
   halo.max(std::span(hull));
@@ -123,8 +123,7 @@ void correct_hull(const TetMesh& mesh, const Halo& halo, const std::vector<std::
   for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
     const double v6 = volume6(mesh, t);
     for (const auto& edge : kEdgeVerts) {
-      VertId v = mesh.tet2vert[t][static_cast<std::size_t>(edge[0])],
-             w = mesh.tet2vert[t][static_cast<std::size_t>(edge[1])];
+      VertId v = mesh.tet2vert[t][edge[0]], w = mesh.tet2vert[t][edge[1]];
       if (hull[idx(v)] == hull[idx(w)]) continue;
       if (hull[idx(v)] == 0) std::swap(v, w);
       const Vec3 e = mesh.coords[v] - mesh.coords[w];

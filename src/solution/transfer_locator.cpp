@@ -155,12 +155,12 @@ void TetLocator::nearest_in(TetId t, Vec3 x, Place& best) const noexcept {
     if (w[k] >= 0) continue;
     const auto& face = kFaceVerts[k];
     std::array<Vec3, 3> corner;
-    for (std::size_t i = 0; i < 3; ++i) corner[i] = coords_[tet2vert_[t][static_cast<std::size_t>(face[i])]];
+    for (std::size_t i = 0; i < 3; ++i) corner[i] = coords_[tet2vert_[t][face[i]]];
     const auto wf = nearest_on_triangle(corner, x);
     const Vec3 d = x - corner[0] - wf[1] * (corner[1] - corner[0]) - wf[2] * (corner[2] - corner[0]);
     if (dot(d, d) >= best.distance2) continue;
     best = {t, {}, dot(d, d)};
-    for (std::size_t i = 0; i < 3; ++i) best.weight[static_cast<std::size_t>(face[i])] = wf[i];
+    for (std::size_t i = 0; i < 3; ++i) best.weight[face[i]] = wf[i];
   }
 }
 

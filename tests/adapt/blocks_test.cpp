@@ -115,9 +115,9 @@ IdVector<VertId, VertId> make_gaps(Part& p, std::size_t n) {
     m.face_tag.push_back(m.face_tag[t]);
     m.tet_ref.push_back(m.tet_ref[t]);
     for (const VertId v : m.tet2vert[to]) m.vert2tet[v] = to;
-    for (int f = 0; f < 4; ++f) {
-      const FaceId other = m.tet2face[to][static_cast<std::size_t>(f)];
-      if (other != kNoFace) link_faces(m, other, make_face(to, f));
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceId other = m.tet2face[to][f];
+      if (other != kNoFace) m.link(other, make_face(to, f));
     }
     m.tet2vert[t].fill(kNoVert);
     m.tet2face[t].fill(kNoFace);
@@ -292,10 +292,10 @@ TEST_P(Blocks, WithInterfacesRefinedInTwoStepsTheyFitTogether) {
 TEST_P(Blocks, AreCutFromARanksMesh) {
   Whole w = whole(0);
   for (const TetId t : IdRange<TetId>(w.mesh.tet_slots())) {  // its side of y = 0 lies between ranks
-    for (int f = 0; f < 4; ++f) {
-      const auto v = face_verts(w.mesh, make_face(t, f));
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto v = w.mesh.verts(make_face(t, f));
       const bool between = std::all_of(v.begin(), v.end(), [&](VertId i) { return w.mesh.has(i, kFrozen); });
-      if (between) w.mesh.face_tag[t][static_cast<std::size_t>(f)] = 0;
+      if (between) w.mesh.face_tag[t][f] = 0;
     }
   }
   const auto open = interface_faces(w.mesh);
@@ -319,7 +319,7 @@ TEST_P(Blocks, HaveEqualWork) {
   }
   const auto work = predicted_work(dist);
   std::vector<double> of_block(static_cast<std::size_t>(blocks), 0);
-  for (const TetId t : IdRange<TetId>(w.mesh.tet_slots())) of_block[static_cast<std::size_t>(label[t])] += work[idx(t)];
+  for (const TetId t : IdRange<TetId>(w.mesh.tet_slots())) of_block[label[t]] += work[idx(t)];
   const double mean = std::accumulate(work.begin(), work.end(), 0.0) / blocks;
   const double heaviest = *std::max_element(work.begin(), work.end());
   for (const double one : of_block) EXPECT_LE(one, 1.03 * mean + heaviest);

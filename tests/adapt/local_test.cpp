@@ -66,7 +66,7 @@ Fit fit(const Outcome& r) {
     out.worst = std::min(out.worst, q);
     out.mean += q / static_cast<double>(r.mesh.tet_slots());
     for (const auto& e : kEdgeVerts) {
-      edges.insert(std::minmax(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]));
+      edges.insert(std::minmax(v[e[0]], v[e[1]]));
     }
   }
   std::size_t unit = 0;

@@ -101,7 +101,7 @@ TEST_P(Files, written_in_slices_and_read_back_by_all) {
     std::vector<std::byte> data(static_cast<std::size_t>(n));
     file.read(0, data);
     std::int64_t wrong = 0;
-    for (std::int64_t i = 0; i < n; ++i) wrong += data[static_cast<std::size_t>(i)] != byte_at(i);
+    for (std::int64_t i = 0; i < n; ++i) wrong += data[i] != byte_at(i);
     EXPECT_EQ(wrong, 0);
     world().barrier();
     EXPECT_EQ(folder.files(), 1U) << "no temporary file stays";

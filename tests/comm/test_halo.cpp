@@ -45,7 +45,7 @@ Case make_case(std::int64_t n) {
 // Not inlined: its product must not be fused with a sum.
 [[gnu::noinline]] double wild(std::int64_t g, int r, int k) {
   const double scale[] = {1e-16, 1e16, 1, -1e16, 3e-9};
-  return scale[static_cast<std::size_t>((g + 2 * r + k) % 5)] * (1 + std::sin(static_cast<double>(g + 17 * r + k)));
+  return scale[(g + 2 * r + k) % 5] * (1 + std::sin(static_cast<double>(g + 17 * r + k)));
 }
 
 /// The fold over all ranks that have the vertex, in ascending order, computed here without communication.

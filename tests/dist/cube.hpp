@@ -53,10 +53,10 @@ inline Whole cube(int n, bool regions = false, bool internal = false) {
           std::array<int, 3> p{i, j, k};
           std::array<std::int64_t, 4> t{at(i, j, k)};
           for (std::size_t a = 0; a < 3; ++a) {
-            ++p[static_cast<std::size_t>(order[o][a])];
+            ++p[order[o][a]];
             t[a + 1] = at(p[0], p[1], p[2]);
           }
-          const auto x = [&](std::size_t v) { return w.coords[static_cast<std::size_t>(t[v])]; };
+          const auto x = [&](std::size_t v) { return w.coords[t[v]]; };
           if (volume6(x(0), x(1), x(2), x(3)) < 0) std::swap(t[2], t[3]);
           w.tets.push_back(t);
           w.tet_ref.push_back(regions && 2 * i >= n ? 2 : 1);
@@ -69,8 +69,8 @@ inline Whole cube(int n, bool regions = false, bool internal = false) {
       std::array<std::int64_t, 3> v;
       std::array<Vec3, 3> x;
       for (std::size_t c = 0; c < 3; ++c) {
-        v[c] = w.tets[t][static_cast<std::size_t>(f[c])];
-        x[c] = w.coords[static_cast<std::size_t>(v[c])];
+        v[c] = w.tets[t][f[c]];
+        x[c] = w.coords[v[c]];
       }
       const auto all = [&](double Vec3::*axis, double value) {
         return x[0].*axis == value && x[1].*axis == value && x[2].*axis == value;
@@ -78,8 +78,8 @@ inline Whole cube(int n, bool regions = false, bool internal = false) {
       int ref = 0;
       const std::array<double Vec3::*, 3> axes{&Vec3::x, &Vec3::y, &Vec3::z};
       for (int a = 0; a < 3; ++a) {
-        if (all(axes[static_cast<std::size_t>(a)], 0)) ref = 2 * a + 1;
-        if (all(axes[static_cast<std::size_t>(a)], 1)) ref = 2 * a + 2;
+        if (all(axes[a], 0)) ref = 2 * a + 1;
+        if (all(axes[a], 1)) ref = 2 * a + 2;
       }
       if (ref == 0 && internal && w.tet_ref[t] == 1 && all(&Vec3::x, 0.5)) ref = 7;
       if (ref == 0) continue;
@@ -107,7 +107,7 @@ inline void cut(const Comm& comm, const std::vector<std::int64_t>& all, VertexLi
   out.total = static_cast<std::int64_t>(all.size());
   const Slice s = even_slice(out.total, comm.rank(), comm.size());
   out.first = s.first;
-  for (std::int64_t i = s.first; i < s.last; ++i) out.verts.push_back(GlobalId{all[static_cast<std::size_t>(i)]});
+  for (std::int64_t i = s.first; i < s.last; ++i) out.verts.push_back(GlobalId{all[i]});
 }
 
 /// This rank's even slices.

@@ -181,13 +181,13 @@ Whole two_cubes(int n, Vec3 shift) {
     number.push_back(it - w.coords.begin());
   }
   for (auto t : b.tets) {
-    for (auto& v : t) v = number[static_cast<std::size_t>(v)];
+    for (auto& v : t) v = number[v];
     w.tets.push_back(t);
     w.tet_ref.push_back(1);
   }
   for (std::size_t i = 0; i < b.tris.size(); ++i) {
     auto t = b.tris[i];
-    for (auto& v : t) v = number[static_cast<std::size_t>(v)];
+    for (auto& v : t) v = number[v];
     w.tris.push_back(t);
     w.tri_ref.push_back(b.tri_ref[i]);
   }

@@ -191,14 +191,14 @@ TEST(Multilevel, NoCutThroughHeavyFaces) {
   // Slabs at the middles, where equal parts would like to be cut.
   std::vector<std::int32_t> heavy(4 * dist.mesh.tet_slots(), 1);
   const auto near_middle = [&](FaceId f) {
-    for (const VertId v : face_verts(dist.mesh, f)) {
+    for (const VertId v : dist.mesh.verts(f)) {
       if (std::abs(dist.mesh.coords[v].x - 0.5) > 1e-9) return false;
     }
     return true;
   };
   std::int64_t marked = 0;
   for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) {
-    for (int s = 0; s < 4; ++s) {
+    for (std::size_t s = 0; s < 4; ++s) {
       if (!near_middle(make_face(t, s)) || centre(dist.mesh, t).x > 0.5) continue;  // marked on one side only
       heavy[idx(make_face(t, s))] = 1000;
       ++marked;
@@ -209,10 +209,10 @@ TEST(Multilevel, NoCutThroughHeavyFaces) {
   // Both sides of the middle plane, by place, must be in the same part.
   std::vector<std::int64_t> below(16 * 16, -1), above(16 * 16, -1);
   for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) {
-    for (int s = 0; s < 4; ++s) {
+    for (std::size_t s = 0; s < 4; ++s) {
       if (!near_middle(make_face(t, s))) continue;
       Vec3 c;
-      for (const VertId v : face_verts(dist.mesh, make_face(t, s))) c += (1.0 / 3) * dist.mesh.coords[v];
+      for (const VertId v : dist.mesh.verts(make_face(t, s))) c += (1.0 / 3) * dist.mesh.coords[v];
       const auto at = static_cast<std::size_t>(c.y * 16) * 16 + static_cast<std::size_t>(c.z * 16);
       (centre(dist.mesh, t).x < 0.5 ? below : above)[at] = num(part[t]);
     }

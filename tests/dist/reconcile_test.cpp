@@ -31,7 +31,7 @@ void expect_fault(const std::function<void(DistMesh&)>& damage, const std::strin
 
 FaceId first_face(const TetMesh& m, bool hull) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < 4; ++k) {
       const auto s = static_cast<std::size_t>(k);
       if (m.tet2face[t][s] == kNoFace && is_hull(m.face_tag[t][s]) == hull) return make_face(t, k);
     }
@@ -73,20 +73,20 @@ TEST(Reconcile, SeesWhatDiffersBetweenRanks) {
   expect_fault(
       [](DistMesh& d) {
         const FaceId f = first_face(d.mesh, false);
-        d.mesh.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))] = kHullFace | 1;
+        d.mesh.tag(f) = kHullFace | 1;
       },
       "face");
   expect_fault(
       [](DistMesh& d) {
         const FaceId f = first_face(d.mesh, true);
-        d.mesh.face_tag[face_tet(f)][static_cast<std::size_t>(face_side(f))] = 0;
+        d.mesh.tag(f) = 0;
       },
       "");
   expect_fault(
       [](DistMesh& d) {
         const FaceId f = first_face(d.mesh, false);
         auto& v = d.mesh.tet2vert[face_tet(f)];
-        const auto s = static_cast<std::size_t>(face_side(f));
+        const auto s = face_side(f);
         std::swap(v[(s + 1) % 4], v[(s + 2) % 4]);
       },
       "");

@@ -49,8 +49,8 @@ double share_of_field(const Comm& comm, const DistMesh& dist, const SpacingField
   std::int64_t good = 0, all = 0;
   for (const auto& v : dist.mesh.tet2vert) {
     for (const auto& e : kEdgeVerts) {
-      const Vec3 a = dist.mesh.coords[v[static_cast<std::size_t>(e[0])]];
-      const Vec3 b = dist.mesh.coords[v[static_cast<std::size_t>(e[1])]];
+      const Vec3 a = dist.mesh.coords[v[e[0]]];
+      const Vec3 b = dist.mesh.coords[v[e[1]]];
       const double l = norm(b - a) / field.at(0.5 * (a + b));
       ++all;
       good += l > std::sqrt(0.5) && l < std::sqrt(2.0) ? 1 : 0;

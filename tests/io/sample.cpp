@@ -23,7 +23,7 @@ std::array<GlobalId, 4> tet_of(const std::array<std::int64_t, 8>& cube, const st
   t[0] = GlobalId{cube[0]};
   for (std::size_t k = 0; k < 3; ++k) {
     corner |= 1 << order[k];
-    t[k + 1] = GlobalId{cube[static_cast<std::size_t>(corner)]};
+    t[k + 1] = GlobalId{cube[corner]};
   }
   return t;
 }
@@ -139,7 +139,7 @@ MeshSlice whole_box(int n) {
       for (std::int64_t i = 0; i < n; ++i) {
         std::array<std::int64_t, 8> cube{};
         for (std::int64_t c = 0; c < 8; ++c) {
-          cube[static_cast<std::size_t>(c)] = vert(i + (c & 1), j + ((c >> 1) & 1), k + (c >> 2));
+          cube[c] = vert(i + (c & 1), j + ((c >> 1) & 1), k + (c >> 2));
         }
         add_cube(m, cube);
       }

@@ -27,8 +27,7 @@ Fit fit(const Part& p) {
     ++out.tets;
     out.worst = std::min(out.worst, quality(quality_cubed(p, t)));
     for (const auto& e : kEdgeVerts) {
-      edges.insert(std::minmax(p.mesh.tet2vert[t][static_cast<std::size_t>(e[0])],
-                               p.mesh.tet2vert[t][static_cast<std::size_t>(e[1])]));
+      edges.insert(std::minmax(p.mesh.tet2vert[t][e[0]], p.mesh.tet2vert[t][e[1]]));
     }
   }
   std::size_t unit = 0, above_two = 0;
@@ -97,9 +96,9 @@ Items tagged_faces(const TetMesh& m) {
   Items out;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     for (int f = 0; m.is_live(t) && f < 4; ++f) {
-      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
+      const FaceTag tag = m.face_tag[t][f];
       if (tag == 0) continue;
-      auto item = place(m, face_verts(m, make_face(t, f)));
+      auto item = place(m, m.verts(make_face(t, f)));
       item.push_back(tag);
       out.insert(item);
     }
@@ -112,8 +111,8 @@ Items all_tets(const TetMesh& m) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
     std::vector<double> item;
-    for (int f = 0; f < 4; ++f) {
-      const auto x = place(m, face_verts(m, make_face(t, f)));
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto x = place(m, m.verts(make_face(t, f)));
       item.insert(item.end(), x.begin(), x.end());
     }
     out.insert(item);
@@ -323,7 +322,7 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
       for (const VertId w : v) of_poor[w] |= p.has_any(t, kFrozen) && p.q3[t] < cube(kGoodQuality) ? 1 : 0;
       bool is_bad = quality(quality_cubed(p, t)) < 0.3;
       for (const auto& e : kEdgeVerts) {
-        const double l = p.length(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]);
+        const double l = p.length(v[e[0]], v[e[1]]);
         is_bad = is_bad || l > 2 || l < 0.4;
       }
       if (!is_bad) continue;

@@ -42,10 +42,10 @@ std::vector<std::pair<std::array<VertId, 3>, FaceTag>> required_faces(const TetM
   std::vector<std::pair<std::array<VertId, 3>, FaceTag>> out;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
-    for (int f = 0; f < 4; ++f) {
-      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][f];
       if ((tag & kRequiredFace) == 0) continue;
-      auto v = face_verts(m, make_face(t, f));
+      auto v = m.verts(make_face(t, f));
       std::sort(v.begin(), v.end());
       out.emplace_back(v, tag);
     }
@@ -114,7 +114,7 @@ std::string judge(const Part& part) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
     for (const auto& e : kEdgeVerts) {
-      const VertId a = m.tet2vert[t][static_cast<std::size_t>(e[0])], b = m.tet2vert[t][static_cast<std::size_t>(e[1])];
+      const VertId a = m.tet2vert[t][e[0]], b = m.tet2vert[t][e[1]];
       if (const FeatureEdge* f = m.features.find(a, b)) used.insert(a, b, f->ref, f->ridge);
     }
   }

@@ -94,7 +94,7 @@ class Bench {
     const TetId t = any_tet();
     const auto tv = part_.mesh.tet2vert[t];
     const auto& e = kEdgeVerts[random_() % 6];
-    VertId a = tv[static_cast<std::size_t>(e[0])], b = tv[static_cast<std::size_t>(e[1])];
+    VertId a = tv[e[0]], b = tv[e[1]];
     if (random_() % 2 == 0) std::swap(a, b);
     switch (random_() % 13) {
       case 0:
@@ -307,7 +307,7 @@ class Bench {
       const auto measure = careful ? least_quality_cubed : quality_cubed_by_largest;
       out.shape += 1 / measure(x[v[0]], x[v[1]], x[v[2]], x[v[3]], m[v[0]], m[v[1]], m[v[2]], m[v[3]]);
       for (const auto& e : kEdgeVerts) {
-        edges.insert(std::minmax(v[static_cast<std::size_t>(e[0])], v[static_cast<std::size_t>(e[1])]));
+        edges.insert(std::minmax(v[e[0]], v[e[1]]));
       }
     }
     for (const auto& [a, b] : edges) out.edges += strain(edge_length(metric, a, b, x[a], x[b]));

@@ -46,8 +46,8 @@ RC_GTEST_PROP(BuildAdjacency, MatchesEqualFaces, (std::uint32_t seed)) {
   build_adjacency(m);
   std::map<std::array<VertId, 3>, std::vector<FaceId>> model;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int f = 0; f < 4; ++f) {
-      auto v = face_verts(m, make_face(t, f));
+    for (std::size_t f = 0; f < 4; ++f) {
+      auto v = m.verts(make_face(t, f));
       std::sort(v.begin(), v.end());
       model[v].push_back(make_face(t, f));
     }
@@ -55,7 +55,7 @@ RC_GTEST_PROP(BuildAdjacency, MatchesEqualFaces, (std::uint32_t seed)) {
   for (const auto& [verts, faces] : model) {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       const FaceId other = faces.size() == 2 ? faces[1 - i] : kNoFace;
-      RC_ASSERT(m.tet2face[face_tet(faces[i])][static_cast<std::size_t>(face_side(faces[i]))] == other);
+      RC_ASSERT(m.neighbour(faces[i]) == other);
     }
   }
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
@@ -122,7 +122,7 @@ RC_GTEST_PROP(Compact, KeepsEverythingThatLives, (std::uint32_t seed)) {
     if (random() % 4 != 0 || idx(t) == 0) continue;
     for (std::size_t f = 0; f < 4; ++f) {
       const FaceId other = m.tet2face[t][f];
-      if (other != kNoFace) m.tet2face[face_tet(other)][static_cast<std::size_t>(face_side(other))] = kNoFace;
+      if (other != kNoFace) m.neighbour(other) = kNoFace;
     }
     m.tet2vert[t] = {kNoVert, kNoVert, kNoVert, kNoVert};
   }

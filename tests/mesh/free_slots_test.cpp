@@ -89,7 +89,7 @@ RC_GTEST_PROP(FillFreePlaces, LeavesAValidMeshOfWhatStays, ()) {
       if (gone[t] == 0) tet_at[m.tet2vert[t][k]] = t;
       const FaceId f = m.tet2face[t][k];
       if (gone[t] == 0 || f == kNoFace) continue;
-      m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = kNoFace;
+      m.neighbour(f) = kNoFace;
     }
   }
   m.vert2tet = tet_at;
@@ -135,9 +135,9 @@ RC_GTEST_PROP(LinkEqualFaces, UndoesACut, ()) {
   std::vector<FaceId> faces;
   for (const TetId t : any_of_first<TetId>(m.tet_slots())) {
     for (std::size_t k = 0; k < 4; ++k) {
-      const FaceId f = m.tet2face[t][k], me = make_face(t, static_cast<int>(k));
+      const FaceId f = m.tet2face[t][k], me = make_face(t, k);
       if (f == kNoFace) continue;
-      m.tet2face[t][k] = m.tet2face[face_tet(f)][static_cast<std::size_t>(face_side(f))] = kNoFace;
+      m.tet2face[t][k] = m.neighbour(f) = kNoFace;
       faces.insert(faces.end(), {me, f});
     }
   }
@@ -145,7 +145,7 @@ RC_GTEST_PROP(LinkEqualFaces, UndoesACut, ()) {
   if (apart) {  // of each pair of neighbours one among the others
     std::vector<FaceId> some, others;
     for (const FaceId f : faces) {
-      const FaceId g = before[face_tet(f)][static_cast<std::size_t>(face_side(f))];
+      const FaceId g = before[face_tet(f)][face_side(f)];
       (f < g ? some : others).push_back(f);
     }
     link_equal_faces(m, some, others);

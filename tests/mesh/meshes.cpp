@@ -35,7 +35,7 @@ int side_of(const std::array<Vec3, 3>& x, bool middle) {
   const std::array<double Vec3::*, 3> axes{&Vec3::x, &Vec3::y, &Vec3::z};
   for (int a = 0; a < 3; ++a) {
     for (int end = 0; end < 2; ++end) {
-      if (std::all_of(x.begin(), x.end(), [&](const Vec3& p) { return p.*axes[static_cast<std::size_t>(a)] == end; })) {
+      if (std::all_of(x.begin(), x.end(), [&](const Vec3& p) { return p.*axes[a] == end; })) {
         return 2 * a + end;
       }
     }
@@ -59,7 +59,7 @@ void add_cells(TetMesh& m, int n) {
       for (std::size_t a = 0;; ++a) {
         t[a] = VertId{(p[2] * s + p[1]) * s + p[0]};
         if (a == 3) break;
-        ++p[static_cast<std::size_t>(order[a])];
+        ++p[order[a]];
       }
       if (volume6(m.coords[t[0]], m.coords[t[1]], m.coords[t[2]], m.coords[t[3]]) < 0) std::swap(t[2], t[3]);
       m.tet2vert.push_back(t);
@@ -70,19 +70,19 @@ void add_cells(TetMesh& m, int n) {
 
 void tag_faces(TetMesh& m, const MeshSpec& spec, std::mt19937& random) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int f = 0; f < 4; ++f) {
-      const auto v = face_verts(m, make_face(t, f));
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto v = m.verts(make_face(t, f));
       const int side = side_of({m.coords[v[0]], m.coords[v[1]], m.coords[v[2]]}, spec.two_regions);
       if (side < 0) continue;
-      FaceTag& tag = m.face_tag[t][static_cast<std::size_t>(f)];
+      FaceTag& tag = m.face_tag[t][f];
       if (tag != 0) continue;  // the other side came first
       tag = static_cast<FaceTag>(side + 1);
       if (spec.required && random() % 40 == 0) tag |= kRequiredFace;
-      const FaceId other = m.tet2face[t][static_cast<std::size_t>(f)];
+      const FaceId other = m.tet2face[t][f];
       if (other == kNoFace) {
         tag |= kHullFace;
       } else {
-        m.face_tag[face_tet(other)][static_cast<std::size_t>(face_side(other))] = tag;
+        m.tag(other) = tag;
       }
     }
   }
@@ -119,11 +119,11 @@ using Edge = std::array<VertId, 2>;
 void find_features(TetMesh& m) {
   std::map<Edge, EdgeFaces> edges;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (int f = 0; f < 4; ++f) {
-      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)] & kPatchMask;
-      const FaceId other = m.tet2face[t][static_cast<std::size_t>(f)];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][f] & kPatchMask;
+      const FaceId other = m.tet2face[t][f];
       if (tag == 0 || (other != kNoFace && other < make_face(t, f))) continue;
-      const auto v = face_verts(m, make_face(t, f));
+      const auto v = m.verts(make_face(t, f));
       const Vec3 n = normalized(cross(m.coords[v[1]] - m.coords[v[0]], m.coords[v[2]] - m.coords[v[0]]));
       for (std::size_t i = 0; i < 3; ++i) {
         EdgeFaces& e = edges[{std::min(v[i], v[(i + 1) % 3]), std::max(v[i], v[(i + 1) % 3])}];
@@ -210,8 +210,8 @@ TetMesh cut_out(const TetMesh& whole, const IdVector<TetId, int>& label, int b, 
     }
     if (tet2part[t] == kNoTet) continue;
     for (const auto& e : kEdgeVerts) {
-      const VertId a = whole.tet2vert[t][static_cast<std::size_t>(e[0])];
-      const VertId c = whole.tet2vert[t][static_cast<std::size_t>(e[1])];
+      const VertId a = whole.tet2vert[t][e[0]];
+      const VertId c = whole.tet2vert[t][e[1]];
       if (const FeatureEdge* f = whole.features.find(a, c)) {
         m.features.insert(whole2part[a], whole2part[c], f->ref, f->ridge);
       }
@@ -227,10 +227,10 @@ Measures measure(const TetMesh& m) {
     if (!m.is_live(t)) continue;
     out.volume += volume6(m, t) / 6;
     out.volume_of[m.tet_ref[t]] += volume6(m, t) / 6;
-    for (int f = 0; f < 4; ++f) {
-      const FaceTag tag = m.face_tag[t][static_cast<std::size_t>(f)];
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceTag tag = m.face_tag[t][f];
       if (tag == 0) continue;
-      const auto v = face_verts(m, make_face(t, f));
+      const auto v = m.verts(make_face(t, f));
       out.area_of[tag_patch(tag)] += norm(cross(m.coords[v[1]] - m.coords[v[0]], m.coords[v[2]] - m.coords[v[0]])) / 2;
     }
   }
@@ -275,10 +275,9 @@ std::vector<std::array<VertId, 3>> interface_faces(const TetMesh& m) {
   std::vector<std::array<VertId, 3>> out;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
-    for (int f = 0; f < 4; ++f) {
-      const auto s = static_cast<std::size_t>(f);
-      if (m.tet2face[t][s] != kNoFace || is_hull(m.face_tag[t][s])) continue;
-      out.push_back(face_verts(m, make_face(t, f)));
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (m.tet2face[t][f] != kNoFace || is_hull(m.face_tag[t][f])) continue;
+      out.push_back(m.verts(make_face(t, f)));
       std::sort(out.back().begin(), out.back().end());
     }
   }

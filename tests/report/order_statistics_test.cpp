@@ -39,7 +39,7 @@ TEST(OrderStatistics, AreThoseOfTheSortedWhole) {
   for (const std::size_t cut : {std::size_t{0}, mine.size() / 3, mine.size()}) {  // in two pieces
     const std::array pieces{whole.first(cut), whole.subspan(cut)};
     const std::vector<double> found = order_statistics(comm, pieces, ks);
-    for (std::size_t i = 0; i < ks.size(); ++i) EXPECT_EQ(found[i], sorted[static_cast<std::size_t>(ks[i])]) << ks[i];
+    for (std::size_t i = 0; i < ks.size(); ++i) EXPECT_EQ(found[i], sorted[ks[i]]) << ks[i];
   }
 }
 

@@ -1,4 +1,6 @@
 // The phase log: sums over ranks, balance, and the JSON made of it.
+#include "comm/phase_log.hpp"
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -7,7 +9,6 @@
 
 #include "base/text.hpp"
 #include "comm/exchange.hpp"
-#include "comm/phase_log.hpp"
 #include "report/json.hpp"
 #include "tests/support/world.hpp"
 

@@ -66,7 +66,7 @@ inline DistMesh Cube::part(const Comm& comm) const {
       auto p = low;
       std::array<std::int64_t, 4> t{gid(p[0], p[1], p[2])};
       for (std::size_t a = 0; a < 3; ++a) {
-        ++p[static_cast<std::size_t>(o[a])];
+        ++p[o[a]];
         t[a + 1] = gid(p[0], p[1], p[2]);
       }
       if (volume6(coords(t[0]), coords(t[1]), coords(t[2]), coords(t[3])) < 0) std::swap(t[2], t[3]);
@@ -96,8 +96,7 @@ inline DistMesh Cube::part(const Comm& comm) const {
     for (std::size_t f = 0; f < 4; ++f) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         for (const int side : {0, n}) {
-          const bool all = std::ranges::all_of(
-              kFaceVerts[f], [&](int k) { return lattice(t[static_cast<std::size_t>(k)])[axis] == side; });
+          const bool all = std::ranges::all_of(kFaceVerts[f], [&](int k) { return lattice(t[k])[axis] == side; });
           if (all) tags[f] = kHullFace | 1;
         }
       }
