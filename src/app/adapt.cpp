@@ -40,11 +40,11 @@ void require_sense(const Comm& comm, const Options& o) {
   agree(comm, [&] {
     const auto fail = [](const char* line) { throw Error(ExitCode::kUsage, line); };
     if (!o.metric.given()) fail("adapt: one of --metric, --size, --field is needed; see: skein adapt --help");
-    if (!o.metric.field.empty() && o.metric.complexity <= 0) {
+    if (!o.metric.field.empty() && o.metric.numbers.complexity <= 0) {
       fail("adapt: --field needs --complexity, which tells how many elements there shall be (about a tenth of them)");
     }
-    if (o.metric.h_min > o.metric.h_max) fail("adapt: --hmin is greater than --hmax");
-    if (o.metric.gradation != 0 && o.metric.gradation <= 1) {
+    if (o.metric.numbers.h_min > o.metric.numbers.h_max) fail("adapt: --hmin is greater than --hmax");
+    if (o.metric.numbers.gradation != 0 && o.metric.numbers.gradation <= 1) {
       fail("adapt: --gradation must be greater than 1 (usual: 1.2 to 2), or 0 for none");
     }
   });
@@ -59,11 +59,12 @@ Json to_json(const Options& o) {
   if (!o.metric.metric.empty()) j["metric"] = o.metric.metric;
   if (!o.metric.size.empty()) j["size"] = o.metric.size;
   if (!o.metric.field.empty()) j["field"] = o.metric.field;
-  if (!o.metric.field.empty()) j["norm"] = std::isinf(o.metric.norm) ? Json("inf") : Json(o.metric.norm);
-  if (o.metric.complexity > 0) j["complexity"] = o.metric.complexity;
-  if (o.metric.h_min > 0) j["hmin"] = o.metric.h_min;
-  if (o.metric.h_max < 1e300) j["hmax"] = o.metric.h_max;
-  if (o.metric.gradation > 0) j["gradation"] = o.metric.gradation;
+  if (!o.metric.field.empty())
+    j["norm"] = std::isinf(o.metric.numbers.norm) ? Json("inf") : Json(o.metric.numbers.norm);
+  if (o.metric.numbers.complexity > 0) j["complexity"] = o.metric.numbers.complexity;
+  if (o.metric.numbers.h_min > 0) j["hmin"] = o.metric.numbers.h_min;
+  if (o.metric.numbers.h_max < kNoLargestSize) j["hmax"] = o.metric.numbers.h_max;
+  if (o.metric.numbers.gradation > 0) j["gradation"] = o.metric.numbers.gradation;
   if (!o.fields.in.empty()) j["field_in"] = o.fields.in;
   if (!o.fields.out.empty()) j["field_out"] = o.fields.out;
   j["rounds"] = o.adapt.rounds, j["threads"] = o.adapt.threads, j["points"] = o.points;
@@ -112,7 +113,7 @@ DistMesh load(const Comm& comm, const Options& o, RunRecord& record, TravellingF
   note_findings(log, found);
 
   log.start("metric");
-  const GradationReport graded = make_metric(comm, dist, o.metric);
+  const GradationReport graded = make_metric(comm, dist, o.metric.policy());
   fields.keep_mesh(comm, dist);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   note_gradation(log, graded, dist.global_verts);
@@ -121,7 +122,7 @@ DistMesh load(const Comm& comm, const Options& o, RunRecord& record, TravellingF
 }
 
 ExitCode run_adapt(const Comm& comm, Options& o) {
-  o.metric.gradation = o.gradation.value_or(o.metric.size.empty() ? 0 : kSizeGradation);
+  o.metric.numbers.gradation = o.gradation.value_or(o.metric.size.empty() ? 0 : kSizeGradation);
   require_sense(comm, o);
   RunRecord record(comm, o.run);
   record.input = o.input;
@@ -152,10 +153,10 @@ void add_adapt(CLI::App& cli, Run& run) {
   verb->add_option("--field", o->metric.field, "solution, a scalar per vertex: adapt to its second derivatives")
       ->excludes("--metric")
       ->excludes("--size");
-  verb->add_option("--norm", o->metric.norm, "with --field: the error's norm, 1, 2, 4 ... or inf")
+  verb->add_option("--norm", o->metric.numbers.norm, "with --field: the error's norm, 1, 2, 4 ... or inf")
       ->check(CLI::Range(1.0, std::numeric_limits<double>::infinity()));
-  verb->add_option("--hmin", o->metric.h_min, "smallest edge length")->check(CLI::PositiveNumber);
-  verb->add_option("--hmax", o->metric.h_max, "largest edge length")->check(CLI::PositiveNumber);
+  verb->add_option("--hmin", o->metric.numbers.h_min, "smallest edge length")->check(CLI::PositiveNumber);
+  verb->add_option("--hmax", o->metric.numbers.h_max, "largest edge length")->check(CLI::PositiveNumber);
   verb->add_option("--gradation", o->gradation,
                    "sizes grow at most by this factor per edge (> 1; 0: no bound); 1.3 with --size, else 0");
   add_field_options(*verb, o->fields);
