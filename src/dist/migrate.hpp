@@ -1,4 +1,4 @@
-// Migration: tetrahedra change their rank with all that hangs on them.
+// Migration: tetrahedra move to other ranks, with their vertices and attributes.
 #pragma once
 #include <optional>
 #include <vector>
@@ -8,20 +8,21 @@
 
 namespace skein {
 
-/// Tetrahedra that go to other ranks; those that are not named stay.
+/// Tetrahedra that move to other ranks; all others stay.
 struct Moves {
   std::vector<TetId> tets;  ///< ascending
   std::vector<Rank> to;     ///< one for each of them
-  /// All tetrahedra with a face without a neighbour, if the caller has looked for them.
+  /// All tetrahedra with a face without a neighbour, if the caller knows them: saves a loop over all tetrahedra.
   std::optional<std::vector<TetId>> open = {};
 };
 
 /// Collective. Moves tetrahedra to other ranks with their tags and references, their vertices (coordinates, reference,
 /// flags, data, global id) and the feature edges that are their edges. Copies of a vertex that meet become one; all
 /// copies of a shared vertex get the flags that any of them has. Adjacency, sharing lists, kFrozen (set on shared
-/// vertices, nowhere else) and the global counts are right after it. What comes, by source rank in its order there,
-/// takes the places of what has gone and then new ones; places that are left over are filled from the end. The cost
-/// grows with what moves and with the interface, but for two looks at the tetrahedra of ranks where anything does.
+/// vertices, nowhere else) and the global counts are right after it. Arriving tetrahedra, in the order of their source
+/// ranks, take the places of those that have gone, then new ones; places that are left over are filled from the end.
+/// The cost grows with the number of moving tetrahedra and with the interface, apart from two loops over the tetrahedra
+/// of each rank that sends or receives any.
 /// Throws Error(kInternal) on all ranks when a destination is not a rank, or a vertex has no global id.
 /// @pre dist is compact, all vertices have global ids, sharing is right (reconcile() passes).
 void migrate(const Comm& comm, DistMesh& dist, const Moves& moves);
