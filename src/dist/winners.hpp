@@ -16,7 +16,7 @@ namespace skein {
   return (kMost + 1 - (amount < kMost ? amount : kMost)) << 32 | num(r);
 }
 
-/// Of every two ranks that share vertices one is the winner and takes them all. So an interface changes hands as a
+/// Of every two ranks that share vertices one is the winner and takes them all. So an interface goes to one rank as a
 /// whole, and regions of different winners touch only where three ranks meet. Winners are chosen so that all ranks win
 /// about as many vertices; ties are broken differently in each round. Where there are fewer pairs than ranks, as with
 /// two ranks, the box of a large interface is halved, and each half has a winner of its own.
