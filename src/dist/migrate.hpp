@@ -19,10 +19,9 @@ struct Moves {
 /// Collective. Moves tetrahedra to other ranks with their tags and references, their vertices (coordinates, reference,
 /// flags, data, global id) and the feature edges that are their edges. Copies of a vertex that meet become one; all
 /// copies of a shared vertex get the flags that any of them has. Adjacency, sharing lists, kFrozen (set on shared
-/// vertices, nowhere else) and the global counts are right after it. Arriving tetrahedra, in the order of their source
-/// ranks, take the places of those that have gone, then new ones; places that are left over are filled from the end.
-/// The cost grows with the number of moving tetrahedra and with the interface, apart from two loops over the tetrahedra
-/// of each rank that sends or receives any.
+/// vertices, nowhere else) and the global counts are right after it. What comes, by source rank in its order there,
+/// takes the places of what has gone and then new ones; places that are left over are filled from the end. The cost
+/// grows with what moves and with the interface, but for two looks at the tetrahedra of ranks where anything does.
 /// Throws Error(kInternal) on all ranks when a destination is not a rank, or a vertex has no global id.
 /// @pre dist is compact, all vertices have global ids, sharing is right (reconcile() passes).
 void migrate(const Comm& comm, DistMesh& dist, const Moves& moves);
