@@ -13,6 +13,7 @@
 #include "app/files.hpp"
 #include "app/metric_input.hpp"
 #include "app/run_report.hpp"
+#include "app/threads.hpp"
 #include "app/verbs.hpp"
 #include "base/text.hpp"
 #include "dist/distribute.hpp"
@@ -124,6 +125,7 @@ DistMesh load(const Comm& comm, const Options& o, RunRecord& record, TravellingF
 ExitCode run_adapt(const Comm& comm, Options& o) {
   o.metric.numbers.gradation = o.gradation.value_or(o.metric.size.empty() ? 0 : kSizeGradation);
   require_sense(comm, o);
+  o.run.threads = settle_threads(comm, o.run.threads);
   RunRecord record(comm, o.run);
   record.input = o.input;
   o.adapt.threads = o.run.threads;

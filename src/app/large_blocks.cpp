@@ -5,7 +5,7 @@
 // heap lets the process grow by what lies between (docs/adr/0018-memory-blocks.md). What is smaller goes to malloc.
 #include "app/large_blocks.hpp"
 
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__linux__) && !defined(SKEIN_SANITIZED)
 #include <malloc.h>
 #include <sys/mman.h>
 
