@@ -1,4 +1,4 @@
-// The rounds: adapt every part with its interface frozen, then displace the interfaces.
+// The rounds: adapt every part with its interface frozen, then move the interfaces.
 #pragma once
 #include "comm/comm.hpp"
 #include "comm/phase_log.hpp"
@@ -7,15 +7,14 @@
 
 namespace skein {
 
-/// How points are created: along long edges at metric-unit steps, or at centroids with exclusion zones
-/// [HassanProbert1999, 35.2.3.2].
+/// How points are created: along long edges at metric-unit steps, or at centroids with exclusion zones [35.2.3.2].
 enum class PointCreation { kEdges, kCentroids };
 
 /// How vertices are moved: to the best quality of their elements, or by springs along their edges.
 enum class Smoothing { kQuality, kSprings };
 
 struct AdaptOptions {
-  int rounds = 3;   ///< rounds over the ranks; those after the first work only beside old interfaces
+  int rounds = 3;   ///< rounds over the ranks; later ones work only round the old interfaces
   int threads = 1;  ///< threads in each rank
   PointCreation points = PointCreation::kEdges;
   Smoothing smoothing = Smoothing::kQuality;

@@ -11,8 +11,8 @@ namespace skein {
 /// Which thread works on each tetrahedron.
 using BlockLabels = IdVector<TetId, std::int32_t>;
 
-/// The weight of each face (FaceId) for the partitioner: its area in the metric, that is about the number of faces of
-/// the final mesh in its place; 1 to 1000.
+/// What cutting each face (FaceId) costs: its area in the metric, i.e. about how many faces of the final mesh it stands
+/// for; 1 to 1000.
 std::vector<std::int32_t> face_costs(const TetMesh& mesh, const MetricField& metric, int threads = 1);
 
 /// The block of each tetrahedron: compact blocks of equal predicted work with small interfaces in the final mesh, from
@@ -54,7 +54,7 @@ bool refine_block_interface(Block& block, double times = 1);
 /// removes them. Thread-safe.
 void seal_block(Block& block, const IdVector<VertId, VertId>& old2new);
 
-/// Result of merge_blocks: the whole mesh again.
+/// What merge_blocks gives: the whole mesh again.
 struct Merged {
   TetMesh mesh;
   MetricField metric;

@@ -19,9 +19,10 @@ struct LocalResult {
   bool turning = false;  ///< KernelOptions::turning for bands of the result
 };
 
-/// Adapts the mesh where vertices are kActive. Vertices that are kFrozen stay as they are. The mesh is cut into blocks,
-/// and each is adapted by a thread; then the bands round the old borders of the blocks are adapted. The result is
-/// compact, and its kActive flags have no meaning. Not collective. The same input and threads give the same result.
+/// Adapts the mesh where vertices are kActive, leaving kFrozen ones as they are, with `threads` threads: the mesh is
+/// cut into blocks, each adapted by a thread; then the interfaces of the blocks are moved and their bands worked on
+/// again. The result is compact; kActive is of no meaning in it. Not collective. The same input and threads give the
+/// same result.
 LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& options);
 
 }  // namespace skein
