@@ -213,7 +213,7 @@ TEST(Check, EveryFaultIsFoundCountedAndNamed) {
       }
     }
     EXPECT_EQ(sorted(verts), p.verts);
-    EXPECT_EQ(to_json(r).dump().find(key(p.fault)) == std::string::npos, false);
+    EXPECT_NE(to_json(r).dump().find(key(p.fault)), std::string::npos);
     const std::string text = to_text(r, "planted.mesh");
     const std::string number = std::to_string((p.entity >= 0 ? p.entity : p.verts[0]) + 1);
     EXPECT_NE(text.find(number), std::string::npos) << text;
