@@ -8,7 +8,7 @@
 #include <set>
 
 #include "dist/partition.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
