@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "comm/halo.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 namespace skein {
 namespace {

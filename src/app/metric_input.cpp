@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "io/mesh_io.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 #include "report/statistics.hpp"
 #include "solution/hessian.hpp"
 #include "solution/hessian_metric.hpp"

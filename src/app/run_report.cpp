@@ -13,7 +13,7 @@
 #include "base/text.hpp"
 #include "dist/gather_slices.hpp"
 #include "io/mesh_io.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 #include "report/statistics.hpp"
 #include "report/statistics_json.hpp"
 

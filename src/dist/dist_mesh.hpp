@@ -7,7 +7,7 @@
 #include "base/ids.hpp"
 #include "comm/halo.hpp"
 #include "mesh/tet_mesh.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 namespace skein {
 

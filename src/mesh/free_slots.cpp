@@ -84,10 +84,7 @@ void resize_tets(TetMesh& m, std::size_t n) {
   resize(m.tet_ref, n);
 }
 
-void resize_verts(TetMesh& m, std::size_t n) {
-  resize(m.coords, n);
-  resize(m.vert_ref, n);
-  resize(m.vert_flags, n);
+void resize_vert2tet(TetMesh& m, std::size_t n) {
   reserve_with_slack(m.vert2tet, n);
   m.vert2tet.resize(n, kNoTet);
 }

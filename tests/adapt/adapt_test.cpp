@@ -6,7 +6,7 @@
 
 #include <functional>
 
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 #include "report/statistics.hpp"
 #include "tests/dist/cube.hpp"
 #include "tests/support/world.hpp"

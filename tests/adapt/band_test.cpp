@@ -5,7 +5,7 @@
 
 #include "adapt/local.hpp"
 #include "dist/interface.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 #include "tests/dist/cube.hpp"
 #include "tests/support/world.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dist/partition.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 #include "tests/dist/cube.hpp"
 #include "tests/support/world.hpp"
 

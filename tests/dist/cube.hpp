@@ -17,7 +17,7 @@
 #include "dist/reconcile.hpp"
 #include "mesh/check.hpp"
 #include "mesh/mesh_slice.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 namespace skein::test {
 
