@@ -33,13 +33,13 @@ IdVector<TetId, Rank> to_ranks(const IdVector<TetId, PartId>& part);
 IdVector<TetId, PartId> partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work, int parts,
                                   PartitionMethod method = PartitionMethod::kHilbert, int threads = 1);
 
-/// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M), the
-/// log-metric being the first 6 data numbers. 1 when data.width < 6.
-std::vector<double> predicted_elements(const DistMesh& dist);
+/// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M), by the
+/// column log_metric. 1 without it.
+std::vector<double> predicted_elements(const TetMesh& mesh);
 /// Expected cost of each tetrahedron in an adaptation, in units of what it takes to make a new one for an isotropic
 /// metric: those that are made for another cost up to 1.4 times as much, those that go somewhat less, those that stay
-/// a third. 1 when data.width < 6.
-std::vector<double> predicted_work(const DistMesh& dist);
+/// a third. 1 without a log_metric.
+std::vector<double> predicted_work(const TetMesh& mesh);
 
 struct PartitionStats {
   std::int64_t cut_faces = 0;   ///< faces between tetrahedra of different parts
