@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/mesh_io.hpp"
 #include "base/tensor.hpp"
+#include "io/mesh_io.hpp"
 #include "report/statistics.hpp"
 #include "solution/hessian.hpp"
 #include "solution/hessian_metric.hpp"
@@ -88,49 +88,47 @@ FieldSlice finite(FieldSlice f) {
   return f;
 }
 
-SymTensor get(const double* d) noexcept { return {d[0], d[1], d[2], d[3], d[4], d[5]}; }
-
-/// Clamps the sizes of the metric in dist.data.
+/// Clamps the sizes of the metric at the vertices.
 void clamp_metric(DistMesh& dist, const MetricOptions& o) {
   if (o.h_min <= 0 && o.h_max >= 1e300) return;
   const double low = -2 * std::log(o.h_max), high = o.h_min > 0 ? -2 * std::log(o.h_min) : 1e300;
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    double* d = dist.data.at(v);
-    Eigen e = eigen(get(d));
+    SymTensor& l = dist.mesh.log_metric[v];
+    Eigen e = eigen(l);
     for (double& value : e.value) value = std::clamp(value, low, high);
-    put(compose(e), d);
+    l = compose(e);
   }
 }
 
 GradationReport grade_isotropic(const Comm& comm, DistMesh& dist, double growth) {
   std::vector<double> size(dist.mesh.vert_slots());
-  for (const VertId v : IdRange<VertId>(size.size())) size[idx(v)] = std::exp(-0.5 * dist.data.at(v)[0]);
+  for (const VertId v : IdRange<VertId>(size.size())) size[idx(v)] = std::exp(-0.5 * dist.mesh.log_metric[v].xx);
   const std::vector<double> before = size;
   const GradationReport report = grade_sizes(comm, dist, Halo(comm, dist.sharing), growth, size);
   for (const VertId v : IdRange<VertId>(size.size())) {
-    if (size[idx(v)] < before[idx(v)]) put(isotropic(-2 * std::log(size[idx(v)])), dist.data.at(v));
+    if (size[idx(v)] < before[idx(v)]) dist.mesh.log_metric[v] = isotropic(-2 * std::log(size[idx(v)]));
   }
   return report;
 }
 
 GradationReport grade_tensors(const Comm& comm, DistMesh& dist, double growth) {
   std::vector<SymTensor> metric(dist.mesh.vert_slots());
-  for (const VertId v : IdRange<VertId>(metric.size())) metric[idx(v)] = exp(get(dist.data.at(v)));
+  for (const VertId v : IdRange<VertId>(metric.size())) metric[idx(v)] = exp(dist.mesh.log_metric[v]);
   const std::vector<SymTensor> before = metric;
   const GradationReport report = grade_metric(comm, dist, growth, metric);
   for (const VertId v : IdRange<VertId>(metric.size())) {
-    if (metric[idx(v)] != before[idx(v)]) put(log(metric[idx(v)]), dist.data.at(v));
+    if (metric[idx(v)] != before[idx(v)]) dist.mesh.log_metric[v] = log(metric[idx(v)]);
   }
   return report;
 }
 
-/// Collective. Grades the metric in dist.data; nothing without o.gradation.
+/// Collective. Grades the metric at the vertices; nothing without o.gradation.
 GradationReport grade(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
   if (o.gradation == 0) return {};
   return o.size.empty() ? grade_tensors(comm, dist, o.gradation) : grade_isotropic(comm, dist, o.gradation);
 }
 
-/// Collective. Calls make(c), which sets dist.data to a metric of complexity c and grades it, until what the gradation
+/// Collective. Calls make(c), which sets log_metric to a metric of complexity c and grades it, until what the gradation
 /// adds is made up for and the complexity is o.complexity (secants of its logarithm over that of c).
 template <class Make>
 GradationReport meet_complexity(const Comm& comm, DistMesh& dist, const MetricOptions& o, Make&& make) {
@@ -152,7 +150,7 @@ GradationReport meet_complexity(const Comm& comm, DistMesh& dist, const MetricOp
   return report;
 }
 
-/// Collective. Scales the metric in dist.data to o.complexity (if given) and grades it, then clamps its sizes.
+/// Collective. Scales the metric at the vertices to o.complexity (if given) and grades it, then clamps its sizes.
 GradationReport scale_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
   GradationReport report;
   if (o.complexity > 0) {
@@ -162,14 +160,11 @@ GradationReport scale_metric(const Comm& comm, DistMesh& dist, const MetricOptio
         throw Error(ExitCode::kInput, fmt::format("{}: its complexity is {}; it cannot be scaled", o.path(), now));
       }
     });
-    const std::vector<double> given = dist.data.values;
+    const IdVector<VertId, SymTensor> given = dist.mesh.log_metric;
     double shift = 0;  // of the diagonal of the logarithm
     const auto scaled = [&] {
-      dist.data.values = given;
-      for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-        double* d = dist.data.at(v);
-        d[0] += shift, d[2] += shift, d[5] += shift;
-      }
+      dist.mesh.log_metric = given;
+      for (SymTensor& l : dist.mesh.log_metric) l.xx += shift, l.yy += shift, l.zz += shift;
     };
     report = meet_complexity(comm, dist, o, [&](double aim) {
       shift = 2.0 / 3 * std::log(aim / now);
@@ -183,15 +178,15 @@ GradationReport scale_metric(const Comm& comm, DistMesh& dist, const MetricOptio
   return grade(comm, dist, o);
 }
 
-/// Collective. dist.data holds a scalar; it becomes the logarithm of the metric of its second derivatives.
+/// Collective. The column `fields` is a scalar; the logarithm of the metric of its second derivatives takes its place.
 GradationReport metric_of_field(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
   std::vector<SymTensor> metric(dist.mesh.vert_slots());
-  const std::vector<SymTensor> hessian = recover_hessian(comm, dist, Halo(comm, dist.sharing), dist.data.values);
-  dist.data.width = 6;
-  dist.data.values.assign(6 * metric.size(), 0);
+  const std::vector<SymTensor> hessian = recover_hessian(comm, dist, Halo(comm, dist.sharing), dist.mesh.fields.values);
+  dist.mesh.fields = {};
+  dist.mesh.log_metric.assign(metric.size(), {});
   return meet_complexity(comm, dist, o, [&](double aim) {
     hessian_metric(comm, dist, aim, o.norm, o.h_min, o.h_max, hessian, metric);
-    for (const VertId v : IdRange<VertId>(metric.size())) put(log(metric[idx(v)]), dist.data.at(v));
+    for (const VertId v : IdRange<VertId>(metric.size())) dist.mesh.log_metric[v] = log(metric[idx(v)]);
     return grade(comm, dist, o);
   });
 }

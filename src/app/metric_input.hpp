@@ -32,11 +32,12 @@ void add_metric_options(CLI::App& verb, MetricOptions& o);
 /// definite, and with both counts when it does not fit the mesh. @pre o.given()
 FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOptions& o);
 
-/// Collective. Makes dist.data the logarithm of the metric to adapt to: --metric and --size are scaled to the
-/// complexity (if given), then clamped to the sizes; --field becomes the metric of its second derivatives, which meets
-/// the complexity with the clamps. With o.gradation sizes are graded after the clamps (which they then still keep), and
-/// the scaling is such that the graded metric has the complexity. Tells what the gradation did. @pre dist.data is what
-/// read_metric() gave.
+/// Collective. Makes the column log_metric the logarithm of the metric to adapt to: --metric and --size are scaled to
+/// the complexity (if given), then clamped to the sizes; --field becomes the metric of its second derivatives, which
+/// meets the complexity with the clamps. With o.gradation sizes are graded after the clamps (which they then still
+/// keep), and the scaling is such that the graded metric has the complexity. Tells what the gradation did. @pre
+/// log_metric (--metric,
+/// --size) or `fields` (--field) is what read_metric() gave.
 GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o);
 
 }  // namespace skein::app

@@ -89,6 +89,15 @@ void resize_vert2tet(TetMesh& m, std::size_t n) {
   m.vert2tet.resize(n, kNoTet);
 }
 
+void grow_verts(TetMesh& m, std::size_t n, int threads) {
+  std::apply(
+      [&](auto... c) {
+        const auto size = [&](const auto& column) { return column.empty() ? 0 : n * width_of(column); };
+        grow_in_parallel(threads, std::tie((m.*c).raw()..., m.vert2tet.raw()), {size(m.*c)..., n});
+      },
+      kVertColumns);
+}
+
 void fill_free_tets(TetMesh& m, const std::vector<TetId>& free) {
   resize_tets(m, fill_free_slots(free, m.tet_slots(), [&](TetId from, TetId to) { move_tet(m, from, to); }));
 }

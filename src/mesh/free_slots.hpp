@@ -52,6 +52,9 @@ void resize_verts(Mesh& m, std::size_t n) {
   resize_vert2tet(mesh_of(m), n);
 }
 
+/// The same by several threads, for more vertices than there are (grow_in_parallel).
+void grow_verts(TetMesh& m, std::size_t n, int threads);
+
 /// Takes out the tetrahedra `free` (ascending), to which nothing leads any more. Neighbours and vert2tet follow those
 /// that move. @pre no other free slots.
 void fill_free_tets(TetMesh& m, const std::vector<TetId>& free);

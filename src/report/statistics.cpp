@@ -20,18 +20,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-SymTensor log_metric(const VertexData& data, VertId v) noexcept {
-  const double* d = data.at(v);
-  return {d[0], d[1], d[2], d[3], d[4], d[5]};
-}
-
 IdVector<VertId, VertMetric> metrics(const DistMesh& dist, int threads) {
   const std::size_t n = dist.mesh.vert_slots();
   IdVector<VertId, VertMetric> m(n);
   in_parallel(threads, [&](int w) {
     vert_metrics_from_logs(
         share_begin(n, w, threads), share_begin(n, w + 1, threads),
-        [&](std::size_t i) { return log_metric(dist.data, to_id<VertId>(i)); },
+        [&](std::size_t i) -> const SymTensor& { return dist.mesh.log_metric[to_id<VertId>(i)]; },
         [&](std::size_t i, const VertMetric& v) { m[to_id<VertId>(i)] = v; });
   });
   return m;
@@ -346,7 +341,7 @@ double complexity(const Comm& comm, const DistMesh& dist) {
   const TetMesh& m = dist.mesh;
   IdVector<VertId, double> sqrt_det(m.vert_slots());
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    const SymTensor l = log_metric(dist.data, v);
+    const SymTensor& l = m.log_metric[v];
     sqrt_det[v] = std::exp(0.5 * (l.xx + l.yy + l.zz));
   }
   double c = 0;

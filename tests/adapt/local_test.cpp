@@ -16,7 +16,6 @@ namespace {
 
 struct Outcome {
   TetMesh mesh;
-  MetricField metric;
   LocalResult result;
   Measures before;
 };
@@ -40,15 +39,15 @@ Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = 
   Outcome r;
   r.mesh = make_mesh({.n = kCells, .shape = shape, .two_regions = regions, .perturb = 0.2});
   for (const VertId v : IdRange<VertId>(r.mesh.vert_slots())) {
-    if (frozen && r.mesh.coords[v].z == 0) r.mesh.vert_flags[v] |= kFrozen;
+    if (frozen && r.mesh.coords[v].z == 0) r.mesh.vert_state[v] |= kFrozen;
   }
   compact(r.mesh);
-  r.metric = metric_field(r.mesh.coords, layered(scale));
+  set_metric(r.mesh, layered(scale));
   r.before = measure(r.mesh);
   LocalOptions options;
   options.threads = threads;
   options.smallest_band = smallest_band;
-  r.result = adapt_local(r.mesh, r.metric, options);
+  r.result = adapt_local(r.mesh, options);
   return r;
 }
 
@@ -61,7 +60,7 @@ Fit fit(const Outcome& r) {
   for (const TetId t : IdRange<TetId>(r.mesh.tet_slots())) {
     const auto& v = r.mesh.tet2vert[t];
     const auto x = [&](std::size_t i) { return r.mesh.coords[v[i]]; };
-    const auto m = [&](std::size_t i) -> const VertMetric& { return r.metric.at[v[i]]; };
+    const auto m = [&](std::size_t i) -> const VertMetric& { return r.mesh.metric[v[i]]; };
     const double q = quality(quality_cubed(x(0), x(1), x(2), x(3), m(0), m(1), m(2), m(3)));
     out.worst = std::min(out.worst, q);
     out.mean += q / static_cast<double>(r.mesh.tet_slots());
@@ -104,8 +103,9 @@ TEST_P(Threads, GiveTheSameBytesAgain) {
   EXPECT_EQ(a.mesh.tet2face, b.mesh.tet2face);
   EXPECT_EQ(a.mesh.face_tag, b.mesh.face_tag);
   EXPECT_EQ(a.mesh.coords, b.mesh.coords);
-  EXPECT_EQ(a.mesh.vert_flags, b.mesh.vert_flags);
-  EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+  EXPECT_EQ(a.mesh.vert_class, b.mesh.vert_class);
+  EXPECT_EQ(a.mesh.vert_state, b.mesh.vert_state);
+  EXPECT_EQ(a.mesh.log_metric, b.mesh.log_metric);
 }
 
 TEST_P(Threads, LeaveFrozenVerticesAndTellTheirNumbers) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "metric/batch.hpp"
-#include "metric/metric_field.hpp"
+#include "metric/mesh_metric.hpp"
 #include "tests/metric/tensors.hpp"
 
 namespace skein::test {
