@@ -135,7 +135,7 @@ std::uint64_t hash(const Comm& comm, const DistMesh& dist) {
   add(m.edges.verts);
   add(m.corners.verts);
   add(m.ridges.verts);
-  add(dist.mesh.log_metric);
+  add(dist.mesh.log_metric.raw());
   return h;
 }
 

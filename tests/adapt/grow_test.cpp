@@ -62,7 +62,8 @@ TEST(Grow, IsNeverStricterAndLeavesWhatGrowsLittle) {
     EXPECT_LE(is.xx, was.xx + 1e-12);
     EXPECT_LE(is.yy, was.yy + 1e-12);
     EXPECT_LE(is.zz, was.zz + 1e-12);
-    if (dist.mesh.coords[v].x <= 0.3) EXPECT_EQ(is, was);
+    if (dist.mesh.coords[v].x > 0.3) continue;
+    EXPECT_EQ(is, was);
   }
 }
 

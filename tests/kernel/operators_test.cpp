@@ -310,7 +310,7 @@ class Bench {
         edges.insert(std::minmax(v[e[0]], v[e[1]]));
       }
     }
-    for (const auto& [a, b] : edges) out.edges += strain(edge_length(metric, a, b, x[a], x[b]));
+    for (const auto& [a, b] : edges) out.edges += strain(edge_length(m[a].m, m[b].m, x[b] - x[a]));
     return out;
   }
   /// An operator that may make elements worse down to a floor for the good of a sum: did(max_length, floor_q3) is it;
