@@ -38,7 +38,7 @@ Part make_part(double hx, double hy, double hz) {
   test::SmoothMetric m;
   m.size = {hx / kCells, hy / kCells, hz / kCells};
   m.turn = {0.7, 0.5, 0};
-  p.metric = test::metric_field(p.mesh.coords, m);
+  test::set_metric(p.mesh, m);
   prepare(p);
   return p;
 }
@@ -52,7 +52,7 @@ struct Loose {
     for (std::size_t t = 0; t < 1024; ++t) {
       const auto& v = p.mesh.tet2vert[to_id<TetId>(t * 37)];
       x.push_back({p.x(v[0]), p.x(v[1]), p.x(v[2]), p.x(v[3])});
-      m.push_back({p.metric.at[v[0]], p.metric.at[v[1]], p.metric.at[v[2]], p.metric.at[v[3]]});
+      m.push_back({p.mesh.metric[v[0]], p.mesh.metric[v[1]], p.mesh.metric[v[2]], p.mesh.metric[v[3]]});
     }
   }
 };

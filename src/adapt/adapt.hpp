@@ -23,9 +23,9 @@ struct AdaptOptions {
       nullptr;  ///< evaluated at every new vertex and intersected with the interpolated metric
 };
 
-/// Collective. Adapts the mesh to the metric whose logarithm is the first 6 numbers (Medit order) of dist.data at every
-/// vertex. The result is compact, has equal numbers of tetrahedra (4 %) on all ranks, and is checked by reconcile();
-/// new vertices have interpolated data.
+/// Collective. Adapts the mesh to the metric whose logarithm is the column log_metric. The result is compact, has equal
+/// numbers of tetrahedra (4 %) on all ranks, and is checked by reconcile(); new vertices have an interpolated
+/// log_metric and zeros in `fields`.
 void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseLog& log);
 
 }  // namespace skein

@@ -98,7 +98,6 @@ DistMesh load(const Comm& comm, const Options& o, RunRecord& record, TravellingF
   log.start("read");
   const MeshSlice mesh = read_mesh(comm, o.input);
   FieldSlice metric = read_metric(comm, mesh, o.metric);
-  const int metric_width = metric.width;
   metric = fields.read_behind(comm, mesh, std::move(metric));
   record.elements_in = mesh.tets.total, record.vertices_in = mesh.total_verts;
   log.finish(static_cast<std::int64_t>(mesh.tets.verts.size()));
@@ -108,8 +107,9 @@ DistMesh load(const Comm& comm, const Options& o, RunRecord& record, TravellingF
   DistributeReport found;
   DistributeOptions options;
   options.ridge_angle = o.ridge_angle;
+  options.metric_first = o.metric.field.empty();
   DistMesh dist = distribute(comm, mesh, &metric, options, &found);
-  fields.take_from(dist, metric_width);
+  fields.take_from(dist, options.metric_first ? 0 : 1);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   note_findings(log, found);
 

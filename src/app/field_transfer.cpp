@@ -26,11 +26,6 @@ std::vector<double> side_by_side(const std::vector<double>& a, int width_a, cons
   return out;
 }
 
-void append(VertexData& data, const VertexData& more) {
-  data.values = side_by_side(data.values, data.width, more.values, more.width);
-  data.width += more.width;
-}
-
 /// "mach" for some/mach.solb, "state_2" for the second of several fields in it.
 std::string field_name(const std::string& path, std::size_t i, std::size_t n) {
   std::string stem = path.substr(path.find_last_of('/') + 1);
@@ -83,16 +78,17 @@ FieldSlice TravellingFields::read_behind(const Comm& comm, const MeshSlice& mesh
 void TravellingFields::take_from(DistMesh& dist, int keep) {
   if (!any()) return;
   const std::size_t n = dist.mesh.vert_slots();
-  VertexData rest;
+  const VertFields& all = dist.mesh.fields;
+  VertFields rest;
   rest.width = keep;
-  values_.width = dist.data.width - keep;
+  values_.width = all.width - keep;
   values_.values.clear();
   for (const VertId v : IdRange<VertId>(n)) {
-    const double* d = dist.data.at(v);
+    const double* d = all.at(v);
     rest.values.insert(rest.values.end(), d, d + keep);
-    values_.values.insert(values_.values.end(), d + keep, d + dist.data.width);
+    values_.values.insert(values_.values.end(), d + keep, d + all.width);
   }
-  dist.data = std::move(rest);
+  dist.mesh.fields = std::move(rest);
 }
 
 void TravellingFields::keep_mesh(const Comm& comm, DistMesh& dist) {
@@ -104,7 +100,7 @@ void TravellingFields::arrive(DistMesh& dist, int threads, PhaseLog& log) {
   if (!any()) return;
   log.start("transfer fields");
   TransferReport report;
-  append(dist.data, old_->at_vertices(dist, threads, &report));
+  dist.mesh.fields = old_->at_vertices(dist, threads, &report);
   old_.reset();
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   if (report.outside == 0) return;

@@ -31,12 +31,12 @@ class TravellingFields {
   /// Collective. Reads the files; gives their numbers behind those of `metric`, vertex by vertex. Throws Error(kInput)
   /// when the file has not one value per vertex of `mesh`.
   [[nodiscard]] FieldSlice read_behind(const Comm& comm, const MeshSlice& mesh, FieldSlice metric);
-  /// Takes the numbers behind the first `keep` of each vertex out of dist.data. Not collective.
+  /// Takes the numbers behind the first `keep` of each vertex out of the column `fields`. Not collective.
   void take_from(DistMesh& dist, int keep);
   /// Collective. Keeps the mesh as it is now, cut for the work that adapting will be: so most points of the new mesh
   /// will be found by the rank that has them.
   void keep_mesh(const Comm& comm, DistMesh& dist);
-  /// Collective. Puts the fields at the vertices of the new mesh behind its data, and forgets the old mesh.
+  /// Collective. Puts the fields at the vertices of the new mesh into its column `fields`, and forgets the old mesh.
   void arrive(DistMesh& dist, int threads, PhaseLog& log);
 
   [[nodiscard]] bool any() const noexcept { return !out_.kinds.empty(); }
@@ -45,7 +45,7 @@ class TravellingFields {
  private:
   FieldOptions options_;
   FieldsOut out_;
-  VertexData values_;
+  VertFields values_;
   std::optional<Background> old_;
 };
 

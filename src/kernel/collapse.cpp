@@ -11,7 +11,7 @@ constexpr std::size_t kMaxBall = 200;
 
 bool Collapser::may_leave(VertId v, VertId u) const noexcept {
   const TetMesh& m = part_->mesh;
-  if (m.has(v, kFrozen | kCorner | kRequired)) return false;
+  if (m.has(v, kFrozen) || m.has(v, kCorner | kRequired)) return false;
   if (m.has(v, kSurface | kRidge) && !part_->options.surface) return false;
   if (m.has(v, kRidge)) return m.has(u, kRidge | kCorner) && m.features.find(v, u) != nullptr;
   if (m.has(v, kSurface)) return m.has(u, kSurface);

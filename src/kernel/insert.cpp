@@ -29,7 +29,7 @@ constexpr auto kBaseEdges = [] {
 [[gnu::always_inline]] inline void fetch(const Part& p, TetId t) noexcept {
   for (const VertId v : p.mesh.tet2vert[t]) {
     __builtin_prefetch(&p.mesh.coords[v]);
-    __builtin_prefetch(&p.metric.at[v]);
+    __builtin_prefetch(&p.mesh.metric[v]);
   }
   __builtin_prefetch(&p.mesh.tet2face[t]);
   __builtin_prefetch(&p.mesh.face_tag[t]);
@@ -70,7 +70,7 @@ void Inserter::grow(VertId p) {
     for (std::size_t i = 0; i < n; ++i) fetch(*part_, around_[i]);
     spheres_.clear();
     for (std::size_t i = 0; i < n; ++i) spheres_.add(*part_, m.tet2vert[around_[i]]);
-    spheres_.test(part_->x(p), part_->metric.at[p].m);
+    spheres_.test(part_->x(p), part_->mesh.metric[p].m);
     std::size_t inside = 0;
     for (std::size_t i = 0; i < n; ++i) {
       around_[inside] = around_[i];
@@ -146,7 +146,7 @@ bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
   // A cavity that is still not star-shaped after a few turns is a bad one, and each turn judges all of it again.
   for (int turn = 0; turn < kShrinkTurns; ++turn) {
     collect_border();
-    const double lowest = cone_.judge(part_->x(p), part_->metric.at[p]);
+    const double lowest = cone_.judge(part_->x(p), part_->mesh.metric[p]);
     if (lowest > floor_q3 && (lowest > kKeptFloor || keeps_distance())) return true;
     // What has a bad face goes; from the end on, since removing moves the last one into the gap.
     std::size_t last = old.size();
@@ -255,14 +255,14 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
   // Where the surface is not a manifold, a fan between hull faces may have its other fans in another part.
   const bool shared = !shell_.closed && m.has(a, kFrozen) && m.has(b, kFrozen);
   if (shell_.on_interface || shared) return InsertResult::kRefused;
-  std::uint8_t flags = 0;
+  VertClass flags{};
   bool kept = false;
   for (int i = 0; i < shell_.ring_size(); ++i) {
     const FaceTag tag = shell_.tag[i];
     if (tag != 0) flags |= kSurface;
     kept = kept || (tag & kRequiredFace) != 0;
   }
-  if (kept || (flags != 0 && !part.options.surface)) return InsertResult::kRefused;
+  if (kept || (any(flags) && !part.options.surface)) return InsertResult::kRefused;
   const FeatureEdge* feature = nullptr;
   if (m.has(a, kRidge) && m.has(b, kRidge)) feature = m.features.find(a, b);
   if (feature != nullptr) flags |= kRidge;
@@ -271,7 +271,7 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
   cavity_->clear();
   for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[i]);
   const Vec3 x = part.x(a) + s * (part.x(b) - part.x(a));
-  const SymTensor log_m = (1 - s) * part.metric.log_at[a] + s * part.metric.log_at[b];
+  const SymTensor log_m = (1 - s) * part.mesh.log_metric[a] + s * part.mesh.log_metric[b];
   const VertId p = new_vertex(part, x, log_m, flags);
   const InsertResult result = insert(p, static_cast<std::size_t>(shell_.n), part.options.length_min_new);
   if (result != InsertResult::kDone) {
@@ -303,12 +303,12 @@ InsertResult Inserter::inside(TetId t, const std::array<double, 4>& weight, doub
   SymTensor log_m;
   for (std::size_t i = 0; i < 4; ++i) {
     x += weight[i] * part.x(v[i]);
-    log_m = log_m + weight[i] * part.metric.log_at[v[i]];
+    log_m = log_m + weight[i] * part.mesh.log_metric[v[i]];
   }
   on_edge_ = false;
   cavity_->clear();
   cavity_->add(t);
-  const VertId p = new_vertex(part, x, log_m, 0);
+  const VertId p = new_vertex(part, x, log_m, {});
   const InsertResult result = insert(p, 1, exclusion);
   if (result != InsertResult::kDone) {
     drop_vertex(part, p);

@@ -75,7 +75,7 @@ class Passes {
   [[nodiscard]] double share_below(double quality) const;
   /// Share of the edges, as the tetrahedra meet them, that are too long or too short.
   [[nodiscard]] double strained_share() const;
-  /// From now on metrics at vertices that move are interpolated from where they are now (Part::anchors).
+  /// From now on metrics at vertices that move are interpolated from where they are now (TetMesh::anchor).
   void anchor();
   /// Counts what is still below `target`, by what holds it (OperationCounts).
   void count_poor(double target);
@@ -107,7 +107,7 @@ class Passes {
   /// Cannot be worked with. Where only what was held is worked on, idle vertices do not count: they have had a round
   /// with nothing in their way, and would hand each other on for ever.
   [[nodiscard]] bool is_bound(VertId v) const noexcept {
-    const unsigned f = part_.mesh.vert_flags[v] & (kFrozen | kActive);
+    const VertState f = part_.mesh.vert_state[v] & (kFrozen | kActive);
     return part_.options.only_retry ? f == (kFrozen | kActive) : f != kActive;
   }
 
@@ -137,7 +137,7 @@ class Passes {
   }
   for (const VertId v : part_.mesh.tet2vert[t]) {
     if (v == kNoVert) return;
-    __builtin_prefetch(&part_.metric.at[v]);
+    __builtin_prefetch(&part_.mesh.metric[v]);
     __builtin_prefetch(&part_.mesh.coords[v]);
   }
 }
@@ -252,7 +252,7 @@ void Passes::centroid_in(TetId t, double above) {
 std::int64_t Passes::create_points(double times) {
   const std::int64_t before = part_.counts.insert;
   if (expected_ < 0) {
-    expected_ = expected_points(part_.mesh, part_.metric);
+    expected_ = expected_points(part_.mesh);
     reserve(part_, static_cast<std::size_t>(expected_));
   }
   const std::int64_t enough = before + kRunaway * expected_;
@@ -368,9 +368,9 @@ double Passes::strained_share() const {
 }
 
 void Passes::anchor() {
-  part_.anchors.resize(part_.mesh.vert_slots());
+  part_.mesh.anchor.resize(part_.mesh.vert_slots());
   for (const VertId v : IdRange<VertId>(part_.mesh.vert_slots())) {
-    part_.anchors[v] = {part_.mesh.coords[v], part_.metric.log_at[v]};
+    part_.mesh.anchor[v] = {part_.mesh.coords[v], part_.mesh.log_metric[v]};
   }
 }
 
@@ -378,11 +378,9 @@ void Passes::count_poor(double target) {
   const auto limit = static_cast<float>(cube(target));
   for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
     if (part_.q3[t] >= limit || !part_.mesh.is_live(t) || !part_.active(t)) continue;
-    std::uint8_t flags = 0;
-    for (const VertId v : part_.mesh.tet2vert[t]) flags |= part_.mesh.vert_flags[v];
     OperationCounts& c = part_.counts;
-    const bool boundary = (flags & (kSurface | kRidge | kCorner | kRequired)) != 0;
-    ++((flags & kFrozen) != 0 ? c.poor_at_interface : boundary ? c.poor_at_boundary : c.poor_inside);
+    const bool boundary = part_.has_any(t, kSurface | kRidge | kCorner | kRequired);
+    ++(part_.has_any(t, kFrozen) ? c.poor_at_interface : boundary ? c.poor_at_boundary : c.poor_inside);
   }
 }
 
@@ -405,7 +403,7 @@ void Passes::mark_retry() {
   TetMesh& m = part_.mesh;
   bool any = false;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    m.vert_flags[v] = static_cast<std::uint8_t>(m.vert_flags[v] & ~(kRetry | kBesideFrozen));
+    m.vert_state[v] &= ~(kRetry | kBesideFrozen);
     any = any || (is_bound(v) && m.is_live(v));
   }
   if (!any) return;
@@ -416,10 +414,10 @@ void Passes::mark_retry() {
     if (!m.is_live(t)) continue;
     const auto& tv = m.tet2vert[t];
     if (!is_bound(tv[0]) && !is_bound(tv[1]) && !is_bound(tv[2]) && !is_bound(tv[3])) continue;
-    const std::uint8_t hindered = part_.q3[t] < good ? kBesideFrozen : 0;
+    const VertState hindered = part_.q3[t] < good ? kBesideFrozen : VertState{};
     for (const VertId v : tv) {
       part_.vert_mark[v] = stamp;
-      m.vert_flags[v] |= hindered;
+      m.vert_state[v] |= hindered;
     }
   }
   const auto is_confined = [&](TetId t) {
@@ -428,7 +426,7 @@ void Passes::mark_retry() {
   };
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t) || !is_confined(t) || !is_bad(t) || !part_.active(t)) continue;
-    for (const VertId v : m.tet2vert[t]) m.vert_flags[v] |= kRetry;
+    for (const VertId v : m.tet2vert[t]) m.vert_state[v] |= kRetry;
   }
 }
 
@@ -552,7 +550,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
     hunt(pass, care, part.options.relax);
     improve_bad(pass);
   }
-  part.anchors = {};
+  part.mesh.anchor = {};
   pass.count_poor(kPoor);
   pass.mark_retry();
   return std::move(pass.old2new());

@@ -43,7 +43,7 @@ Vec3 minimum(const SymTensor& h, Vec3 g, int dims, Vec3 t0, Vec3 t1) noexcept {
 bool Smoother::freedom(VertId v, Freedom& free) {
   const TetMesh& m = part_->mesh;
   free.dims = 3;
-  if (m.has(v, kFrozen | kCorner | kRequired)) return false;
+  if (m.has(v, kFrozen) || m.has(v, kCorner | kRequired)) return false;
   if (!m.has(v, kSurface | kRidge)) return true;
   if (!part_->options.surface) return false;
   const bool ridge = m.has(v, kRidge);
@@ -99,7 +99,7 @@ bool Smoother::freedom(VertId v, Freedom& free) {
 
 Vec3 Smoother::newton_step(VertId v, const Freedom& free, double& gain) {
   gain = 0;
-  const Cone::Newton n = cone_.newton(part_->x(v), part_->metric.at[v].m);
+  const Cone::Newton n = cone_.newton(part_->x(v), part_->mesh.metric[v].m);
   if (!n.valid) return {};
   const Vec3 step = minimum(n.hessian, n.gradient, free.dims, free.t0, free.t1);
   gain = -0.5 * dot(n.gradient, step) / n.value;
@@ -125,7 +125,7 @@ Vec3 Smoother::spring_step(VertId v, const Freedom& free) const {
 }
 
 bool Smoother::interpolate_from_anchor(VertId v, Vec3 x, SymTensor& log_m) {
-  const auto& [from, log_from] = part_->anchors[v];
+  const auto& [from, log_from] = part_->mesh.anchor[v];
   const Cone::Place place = cone_.locate(from, x - from);
   const auto k = part_->mesh.verts(ball_[place.face]);
   const auto& w = place.weight;
@@ -134,12 +134,12 @@ bool Smoother::interpolate_from_anchor(VertId v, Vec3 x, SymTensor& log_m) {
   if (!(w[0] > kRounding) || !(w[1] > kRounding) || !(w[2] > kRounding) || !(rest > kRounding)) return false;
   if (!(volume6(from, part_->x(k[0]), part_->x(k[1]), part_->x(k[2])) > 0)) return false;
   log_m = rest * log_from;
-  for (std::size_t i = 0; i < 3; ++i) log_m = log_m + w[i] * part_->metric.log_at[k[i]];
+  for (std::size_t i = 0; i < 3; ++i) log_m = log_m + w[i] * part_->mesh.log_metric[k[i]];
   return true;
 }
 
 bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
-  if (!part_->anchors.empty() && interpolate_from_anchor(v, part_->x(v) + step, log_m)) return true;
+  if (!part_->mesh.anchor.empty() && interpolate_from_anchor(v, part_->x(v) + step, log_m)) return true;
   const Cone::Place place = cone_.locate(part_->x(v), step);
   const auto k = part_->mesh.verts(ball_[place.face]);
   double rest = 1;
@@ -147,10 +147,10 @@ bool Smoother::interpolate(VertId v, Vec3 step, SymTensor& log_m) {
   for (std::size_t i = 0; i < 3; ++i) {
     const double w = std::max(place.weight[i], 0.0);
     rest -= w;
-    log_m = log_m + w * part_->metric.log_at[k[i]];
+    log_m = log_m + w * part_->mesh.log_metric[k[i]];
   }
   if (rest < -0.1) return false;  // beyond the ball
-  log_m = (1 / (1 - std::min(rest, 0.0))) * (log_m + std::max(rest, 0.0) * part_->metric.log_at[v]);
+  log_m = (1 / (1 - std::min(rest, 0.0))) * (log_m + std::max(rest, 0.0) * part_->mesh.log_metric[v]);
   return true;
 }
 
@@ -199,7 +199,7 @@ double Smoother::judge(Vec3 x, const VertMetric& m, double bound) {
   for (std::size_t i = 0; i < ball_.size() && low >= bound; ++i) {
     const auto k = part_->mesh.verts(ball_[i]);
     const auto& y = part_->mesh.coords;
-    const auto& n = part_->metric.at;
+    const auto& n = part_->mesh.metric;
     const double q = least_quality_cubed(x, y[k[0]], y[k[1]], y[k[2]], m, n[k[0]], n[k[1]], n[k[2]]);
     cone_.set_q3(i, q);
     low = std::min(low, q);
@@ -209,8 +209,8 @@ double Smoother::judge(Vec3 x, const VertMetric& m, double bound) {
 
 void Smoother::place(VertId v, Vec3 x, const VertMetric& m, const SymTensor& log_m) {
   part_->mesh.coords[v] = x;
-  part_->metric.at[v] = m;
-  part_->metric.log_at[v] = log_m;
+  part_->mesh.metric[v] = m;
+  part_->mesh.log_metric[v] = log_m;
   mark_changed(v);
   ++part_->counts.smooth;
 }
@@ -261,7 +261,7 @@ void Smoother::fetch_vertices(VertId v) const noexcept {
   for (const FaceId f : indexed_ball(v)) {
     for (const VertId w : part_->mesh.tet2vert[face_tet(f)]) {
       __builtin_prefetch(&part_->mesh.coords[w]);
-      __builtin_prefetch(&part_->metric.at[w].sqrt_det);
+      __builtin_prefetch(&part_->mesh.metric[w].sqrt_det);
     }
   }
 }
@@ -288,7 +288,8 @@ bool Smoother::find_ball(VertId v) {
 
 bool Smoother::gather(VertId v, Ball& ball) {
   Part& p = *part_;
-  if (p.mesh.has(v, kFrozen | kCorner | kRequired) || !find_ball(v) || !freedom(v, ball.free)) return false;
+  if (p.mesh.has(v, kFrozen) || p.mesh.has(v, kCorner | kRequired) || !find_ball(v) || !freedom(v, ball.free))
+    return false;
   cone_.clear();
   for (const FaceId f : ball_) {
     const auto k = p.mesh.verts(f);
@@ -308,7 +309,7 @@ bool Smoother::move(VertId v, int tries) {
   Vec3 step = p.options.springs ? spring_step(v, ball.free) : newton_step(v, ball.free, gain);
   if (!(gain > kSmallestGain) || !is_finite(step)) return false;
   // The step may not jump out of the ball: at most the size of an element.
-  const double length2 = quad(p.metric.at[v].m, step);
+  const double length2 = quad(p.mesh.metric[v].m, step);
   if (length2 < 1e-4) return false;
   if (length2 > 0.25) step = (0.5 / std::sqrt(length2)) * step;
   for (int i = 0; i < tries; ++i) {
@@ -320,11 +321,11 @@ bool Smoother::move(VertId v, int tries) {
 
 Vec3 Smoother::relaxing_step(VertId v, std::size_t links, const Freedom& free, double& strain_sum) const {
   const Part& p = *part_;
-  const SymTensor& m = p.metric.at[v].m;
+  const SymTensor& m = p.mesh.metric[v].m;
   SymTensor h = 0.02 * m;  // where few edges pull, the step stays small
   Vec3 g;
   for (std::size_t i = 0; i < links; ++i) {
-    const Vec3 d = p.x(v) - p.x(link_[i]), da = mul(m, d), db = mul(p.metric.at[link_[i]].m, d);
+    const Vec3 d = p.x(v) - p.x(link_[i]), da = mul(m, d), db = mul(p.mesh.metric[link_[i]].m, d);
     const double qa = dot(d, da), qb = dot(d, db), l = log_mean(std::sqrt(qa), std::sqrt(qb));
     strain_sum += strain(l);
     const double r = std::log(l), u = 2 * std::log2(l), weight = 0.05 + std::min(u * u * u * u, 4.0);
@@ -346,7 +347,7 @@ bool Smoother::move_to_relax(VertId v, double floor_q3) {
   const Vec3 x = p.x(v);
   Vec3 step = relaxing_step(v, links, ball.free, was);
   if (!is_finite(step)) return false;
-  const double length2 = quad(p.metric.at[v].m, step);
+  const double length2 = quad(p.mesh.metric[v].m, step);
   if (length2 > 0.25) step = (0.5 / std::sqrt(length2)) * step;
   for (int i = 0; i < 3; ++i, step = 0.5 * step) {
     SymTensor log_m;
@@ -356,7 +357,7 @@ bool Smoother::move_to_relax(VertId v, double floor_q3) {
     if (!(low > 0) || low < bound) continue;
     double is = kShape * cone_.sum_of_inverses();
     for (std::size_t k = 0; k < links; ++k) {
-      is += strain(edge_length(m.m, p.metric.at[link_[k]].m, x + step - p.x(link_[k])));
+      is += strain(edge_length(m.m, p.mesh.metric[link_[k]].m, x + step - p.x(link_[k])));
     }
     if (is > was - kLeast) continue;
     place(v, x + step, m, log_m);
@@ -370,7 +371,7 @@ bool Smoother::move_along_axes(VertId v) {
   if (!gather(v, ball)) return false;
   const Part& p = *part_;
   const Vec3 x = p.x(v);
-  const SymTensor root = exp(-0.5 * p.metric.log_at[v]);  // its columns have length 1
+  const SymTensor root = exp(-0.5 * p.mesh.log_metric[v]);  // its columns have length 1
   const Freedom& free = ball.free;
   Vec3 best;
   SymTensor best_log;
@@ -424,7 +425,7 @@ bool Smoother::move_to_reduce_sum(VertId v, double floor_q3) {
   if (!gather(v, ball)) return false;
   const Vec3 x = part_->x(v);
   std::array<Vec3, 3> axis;
-  const std::size_t dims = basis(part_->metric.at[v].m, ball.free.dims, ball.free.t0, ball.free.t1, axis);
+  const std::size_t dims = basis(part_->mesh.metric[v].m, ball.free.dims, ball.free.t0, ball.free.t1, axis);
   double old_sum = 0;
   for (const FaceId f : ball_) old_sum += inverse_sixth_power(static_cast<double>(part_->q3[face_tet(f)]));
 

@@ -45,7 +45,7 @@ Fit fit(const Part& p) {
 Part make_part(const MeshSpec& spec, const SmoothMetric& metric) {
   Part p;
   p.mesh = make_mesh(spec);
-  p.metric = metric_field(p.mesh.coords, metric);
+  set_metric(p.mesh, metric);
   prepare(p);
   return p;
 }
@@ -75,9 +75,9 @@ Items frozen_vertices(const Part& p) {
   for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
     if (!p.mesh.is_live(v) || !p.mesh.has(v, kFrozen)) continue;
     const Vec3 x = p.x(v);
-    const SymTensor& l = p.metric.log_at[v];
-    out.insert(
-        {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v] & ~(kBesideFrozen | kRetry))});
+    const SymTensor& l = p.mesh.log_metric[v];
+    const VertState state = p.mesh.vert_state[v] & ~(kBesideFrozen | kRetry);
+    out.insert({x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_class[v]), double(state)});
   }
   return out;
 }
@@ -135,7 +135,7 @@ RC_GTEST_PROP(AdaptPart, LeavesFrozenVerticesAndInterfaces, ()) {
   Part p;
   IdVector<VertId, GlobalId> gid;
   p.mesh = cut_out(whole, label, 1, gid);
-  p.metric = metric_field(p.mesh.coords, random_smooth_metric(random, 0.08, 0.6, 1));
+  set_metric(p.mesh, random_smooth_metric(random, 0.08, 0.6, 1));
   prepare(p);
   const Snapshot before(p);
   const Items frozen = frozen_vertices(p);
@@ -171,7 +171,7 @@ TEST_P(KeptSurface, GetsNoFlatElements) {
     Part p = make_part({.n = 6, .perturb = 0.2}, metric);
     p.options.surface = frozen;
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
-      if (frozen && p.x(v).z == 0) p.mesh.vert_flags[v] |= kFrozen;
+      if (frozen && p.x(v).z == 0) p.mesh.vert_state[v] |= kFrozen;
     }
     adapt_part(p);
     ASSERT_EQ(judge(p), "");
@@ -300,7 +300,7 @@ TEST(AdaptPart, GivesTheSameBytesAgain) {
   const Part a = run(), b = run();
   EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
   EXPECT_EQ(a.mesh.coords, b.mesh.coords);
-  EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+  EXPECT_EQ(a.mesh.log_metric, b.mesh.log_metric);
 }
 
 /// Beside frozen edges that are far too long for the metric.
@@ -310,8 +310,8 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
     metric.size = {0.06, 0.06, 0.06};
     Part p = make_part({.n = 4, .perturb = 0.2}, metric);
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
-      p.mesh.vert_flags[v] |= kRetry | kBesideFrozen;  // of an earlier round
-      if (frozen && p.x(v).x == 0) p.mesh.vert_flags[v] |= kFrozen;
+      p.mesh.vert_state[v] |= kRetry | kBesideFrozen;  // of an earlier round
+      if (frozen && p.x(v).x == 0) p.mesh.vert_state[v] |= kFrozen;
     }
     adapt_part(p);
     IdVector<VertId, char> of_bad(p.mesh.vert_slots(), 0), of_poor(p.mesh.vert_slots(), 0);
@@ -356,16 +356,16 @@ TEST(AdaptPart, FitsAMetricThatTurnsWithinItsElements) {
   p.mesh = make_mesh({.n = 3});
   const Measures before = measure(p.mesh);
   for (int pass = 0; pass < 6; ++pass) {
-    p.metric = metric_field(p.mesh.coords, metric);
+    set_metric(p.mesh, metric);
     prepare(p);
     adapt_part(p);
     EXPECT_FALSE(p.careful);
-    EXPECT_TRUE(p.anchors.empty());
+    EXPECT_TRUE(p.mesh.anchor.empty());
     EXPECT_EQ(judge(p), "");
     EXPECT_EQ(differ(before, measure(p.mesh), 1e-12), "");
     compact(p);
   }
-  p.metric = metric_field(p.mesh.coords, metric);
+  set_metric(p.mesh, metric);
   const Fit f = fit(p);
   EXPECT_GT(f.unit_share, 0.93) << f.tets;
   EXPECT_GT(f.worst, 0.25) << f.tets;
@@ -374,7 +374,7 @@ TEST(AdaptPart, FitsAMetricThatTurnsWithinItsElements) {
 TEST(AdaptPart, WithoutActiveVerticesNothingChanges) {
   std::mt19937 random(3);
   Part p = make_part({.n = 4, .perturb = 0.2}, random_smooth_metric(random, 0.1, 0.3, 1));
-  for (auto& f : p.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
+  for (VertState& s : p.mesh.vert_state) s &= ~kActive;
   const Items before = all_tets(p.mesh);
   adapt_part(p);
   EXPECT_EQ(all_tets(p.mesh), before);

@@ -57,12 +57,12 @@ Part make_part(const Setting& s, std::mt19937& random) {
     IdVector<VertId, GlobalId> gid;
     part.mesh = cut_out(part.mesh, label, 0, gid);
   }
-  part.metric = metric_field(part.mesh.coords, random_smooth_metric(random, 0.05, 1.0, 1.5));
+  set_metric(part.mesh, random_smooth_metric(random, 0.05, 1.0, 1.5));
   part.options.surface = s.surface;
   part.careful = s.careful;
   if (s.anchored) {
     for (const VertId v : IdRange<VertId>(part.mesh.vert_slots()))
-      part.anchors.push_back({part.x(v), part.metric.log_at[v]});
+      part.mesh.anchor.push_back({part.x(v), part.mesh.log_metric[v]});
   }
   prepare(part);
   return part;
@@ -296,10 +296,10 @@ class Bench {
   struct Strain {
     double edges = 0, shape = 0;  ///< summed over edges; 1/Q^3 over elements
   };
-  static Strain strain_of(const TetMesh& mesh, const MetricField& metric, bool careful) {
+  static Strain strain_of(const TetMesh& mesh, bool careful) {
     Strain out;
     std::set<std::pair<VertId, VertId>> edges;
-    const auto& m = metric.at;
+    const auto& m = mesh.metric;
     const auto& x = mesh.coords;
     for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
       if (!mesh.is_live(t)) continue;
@@ -310,7 +310,7 @@ class Bench {
         edges.insert(std::minmax(v[e[0]], v[e[1]]));
       }
     }
-    for (const auto& [a, b] : edges) out.edges += strain(edge_length(metric, a, b, x[a], x[b]));
+    for (const auto& [a, b] : edges) out.edges += strain(edge_length(m[a].m, m[b].m, x[b] - x[a]));
     return out;
   }
   /// An operator that may make elements worse down to a floor for the good of a sum: did(max_length, floor_q3) is it;
@@ -336,8 +336,7 @@ class Bench {
                           : smooth_.move_to_relax(a, floor_q3);
     };
     return lessen("relax", a, which == 2 ? a : kNoVert, 0.99, did, [&](const Snapshot& before, const Change&) {
-      const Strain was = strain_of(before.mesh, before.metric, before.careful),
-                   is = strain_of(part_.mesh, part_.metric, part_.careful);
+      const Strain was = strain_of(before.mesh, before.careful), is = strain_of(part_.mesh, part_.careful);
       const double shape = which == 2 ? 0.005 : 0;
       const bool less = is.edges + shape * is.shape < (was.edges + shape * was.shape) * (1 + 1e-4);
       return less ? "" : fmt::format("strain from {} to {} by operator {}", was.edges, is.edges, which);
@@ -395,7 +394,7 @@ double size_of(const SymTensor& t) {
 double error_after_moves(Part& part, const SmoothMetric& field, bool anchored) {
   if (anchored) {
     for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
-      part.anchors.push_back({part.x(v), part.metric.log_at[v]});
+      part.mesh.anchor.push_back({part.x(v), part.mesh.log_metric[v]});
     }
   }
   Smoother smooth(part);
@@ -408,7 +407,7 @@ double error_after_moves(Part& part, const SmoothMetric& field, bool anchored) {
   }
   double worst = 0;
   for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
-    worst = std::max(worst, size_of(part.metric.log_at[v] + -1.0 * field.log_at(part.x(v))));
+    worst = std::max(worst, size_of(part.mesh.log_metric[v] + -1.0 * field.log_at(part.x(v))));
   }
   return worst;
 }
@@ -424,7 +423,7 @@ RC_GTEST_PROP(Operators, MoveVerticesWithTheirMetrics, ()) {
   for (const bool anchored : {false, true}) {
     Part part;
     part.mesh = make_mesh(spec);
-    part.metric = metric_field(part.mesh.coords, field);
+    set_metric(part.mesh, field);
     prepare(part);
     RC_ASSERT(error_after_moves(part, field, anchored) < 1e-9);
     RC_ASSERT(part.counts.smooth > 0);
@@ -440,7 +439,7 @@ TEST(Operators, AnchorsKeepErrorsOfMetricsFromAddingUp) {
     for (const bool anchored : {false, true}) {
       Part part;
       part.mesh = make_mesh({.n = 5, .perturb = 0.2, .seed = seed});
-      part.metric = metric_field(part.mesh.coords, field);
+      set_metric(part.mesh, field);
       prepare(part);
       (anchored ? with : without) += error_after_moves(part, field, anchored);
     }
