@@ -199,7 +199,7 @@ bool refine_block_interface(Block& block, double times) {
   const std::size_t before = block.part.mesh.vert_slots();
   const auto free = std::exchange(block.part.free_verts, {});  // what is new shall be at the end
   constexpr std::uint8_t kWasFrozen = kBesideFrozen;           // which is the kernel's, and not in use yet
-  const int keep = kWasFrozen | (block.part.options.surface ? 0 : kSurface);
+  const int keep = kWasFrozen | (block.part.options.may_change_surface() ? 0 : kSurface);
   auto& flags = block.part.mesh.vert_flags;
   for (const VertId v : block.frozen) flags[v] |= kWasFrozen;
   const bool refined = refine_interface(block.part, block.id, static_cast<std::uint8_t>(keep), times);
