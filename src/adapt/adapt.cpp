@@ -26,9 +26,8 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 12;        ///< elements out of one in a step of growth
-constexpr int kMostSteps = 10;        ///< of growth
-constexpr int kTurnsAfterGrowth = 4;  ///< of the main passes, in parts of a mesh that is unit in another metric already
+constexpr double kGrowth = 12;           ///< elements out of one in a step of growth
+constexpr int kMostSteps = 10;           ///< of growth
 constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
 constexpr double kImbalance = 0.03;      ///< to which the numbers of tetrahedra of the result are brought ...
 constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good already
@@ -61,10 +60,11 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
   agree(comm, [&] {
     part.options = options.kernel;
     part.spacing = options.spacing;
+    part.geometry = options.geometry;
     part.mesh = dist.mesh;
     measure_metric(part.mesh);
     prepare(part);
-    failed = refine_interface(part, gid, {.of_class = options.kernel.surface ? VertClass{} : kSurface}) ? 0 : 1;
+    failed = refine_interface(part, gid, {.of_class = options.kernel.may_change_surface() ? VertClass{} : kSurface}) ? 0 : 1;
   });
   if (comm.max(failed) != 0 || comm.sum(part.counts.insert) == 0) return;
   agree(comm, [&] {
@@ -99,7 +99,7 @@ LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
 /// The local part of a later round: the kernel on what is active, and nothing that costs as much as the whole mesh.
 /// Not collective.
 OperationCounts adapt_band(DistMesh& dist, LocalOptions options) {
-  options.kernel.only_retry = true;
+  options.kernel.scope = Scope::kRetry;
   Band band = cut_band(dist.mesh, kMargin, options.threads);
   const LocalResult r = adapt_local(band.mesh, options);
   put_back(dist, band, r.old2new, options.threads);
@@ -236,9 +236,10 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   LocalOptions local;
   local.threads = options.threads;
   local.spacing = options.spacing;
-  local.kernel.surface = options.surface;
-  local.kernel.centroid_points = options.points == PointCreation::kCentroids;
-  local.kernel.springs = options.smoothing == Smoothing::kSprings;
+  local.kernel.method = options.method;
+  local.kernel.surface = options.surface ? SurfaceChange::kAllowed : SurfaceChange::kNone;
+  const FacetGeometry facets(options.method.facets);
+  local.geometry = &facets;
   agree(comm, [&] {
     if (dist.mesh.log_metric.size() != dist.mesh.vert_slots())
       throw Error(ExitCode::kInternal, "adapt needs the log-metric at the vertices");
@@ -253,8 +254,8 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   if (comm.size() > 1) cut_parts(comm, dist, parts, grown, local);
   finish();
   LocalOptions first = local;
-  first.kernel.relax = directed;
-  if (grown) first.kernel.least_turns = kTurnsAfterGrowth;
+  first.kernel.lower_strain = directed;
+  if (grown) first.kernel.least_turns = options.method.main.least_turns_after_growth;
   bool turning = false;
   const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] {
     const LocalResult r = adapt_rank(dist, first);

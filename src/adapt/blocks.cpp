@@ -158,7 +158,7 @@ void follow(Block& block, const IdVector<VertId, VertId>& old2new) {
 bool refine_block_interface(Block& block, double times) {
   const std::size_t before = block.part.mesh.vert_slots();
   const auto free = std::exchange(block.part.free_verts, {});  // what is new shall be at the end
-  const KeptVerts keep{block.part.options.surface ? VertClass{} : kSurface, kWasFrozen};
+  const KeptVerts keep{block.part.options.may_change_surface() ? VertClass{} : kSurface, kWasFrozen};
   auto& state = block.part.mesh.vert_state;
   for (const VertId v : block.frozen) state[v] |= kWasFrozen;
   const bool refined = refine_interface(block.part, block.id, keep, times);

@@ -8,7 +8,7 @@
 #include "adapt/gaps.hpp"
 #include "base/assert.hpp"
 #include "base/parallel.hpp"
-#include "kernel/passes.hpp"
+#include "kernel/recipe.hpp"
 #include "mesh/check.hpp"
 
 namespace skein {
@@ -19,6 +19,7 @@ constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which 
 void set_up(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
   part.spacing = o.spacing;
+  part.geometry = o.geometry;
   prepare(part);
 }
 
@@ -94,11 +95,11 @@ BlockLabels cut_slabs(const TetMesh& mesh, int slabs) {
 std::vector<VertId> run_blocks(TetMesh& mesh, const BlockLabels& label, const LocalOptions& o, LocalResult& result) {
   const auto between = between_blocks(mesh, label);
   // A band grows by little, and all is put behind the first block in the end.
-  const auto points = o.kernel.only_retry ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh));
+  const auto points = o.kernel.only_retry() ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh));
   // Points are created in two steps, and the interface is refined for each of them; to what is frozen, which is as it
   // is, in one, so that splits come as near to it as they may.
   const bool in_steps =
-      !o.kernel.only_retry && o.kernel.surface &&
+      !o.kernel.only_retry() && o.kernel.may_change_surface() &&
       std::all_of(result.old2new.begin(), result.old2new.end(), [](VertId v) { return v == kNoVert; });
   const auto share = points / static_cast<std::size_t>(o.threads);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
@@ -111,8 +112,8 @@ std::vector<VertId> run_blocks(TetMesh& mesh, const BlockLabels& label, const Lo
     set_up(block.part, o);
     return block;
   };
-  const auto take_first_step = [](Block& block) {
-    if (!refine_block_interface(block, kCoarse)) return false;
+  const auto take_first_step = [&](Block& block) {
+    if (!refine_block_interface(block, o.kernel.method.lengths.first_step)) return false;
     follow(block, create_coarse_points(block.part));
     return true;
   };
@@ -140,11 +141,11 @@ std::vector<VertId> run_blocks(TetMesh& mesh, const BlockLabels& label, const Lo
   return std::move(merged.between);
 }
 
-bool is_good(const TetMesh& m, TetId t) noexcept {
+bool is_good(const TetMesh& m, TetId t, double quality) noexcept {
   const auto& v = m.tet2vert[t];
   const auto x = [&](std::size_t i) { return m.coords[v[i]]; };
   const auto g = [&](std::size_t i) -> const VertMetric& { return m.metric[v[i]]; };
-  return quality_cubed(x(0), x(1), x(2), x(3), g(0), g(1), g(2), g(3)) >= cube(kGoodQuality);
+  return quality_cubed(x(0), x(1), x(2), x(3), g(0), g(1), g(2), g(3)) >= cube(quality);
 }
 
 /// Works on what the interfaces between blocks have retry back: the band round them is cut out, adapted and put back.
@@ -161,10 +162,10 @@ void run_between(TetMesh& mesh, const std::vector<VertId>& between, const LocalO
   Surroundings near(mesh, std::move(retry));
   // One vertex further, but where everything is well already.
   near.add_tets();
-  near.add_vertices([&](TetId t) { return !is_good(mesh, t); });
+  near.add_vertices([&](TetId t) { return !is_good(mesh, t, o.kernel.method.retry.good_quality); });
   Band band = cut_band(mesh, std::move(near), o.threads);
   LocalOptions of_band = o;
-  of_band.kernel.only_retry = true;
+  of_band.kernel.scope = Scope::kRetry;
   if (2 * band.mesh.tet_slots() > mesh.tet_slots()) of_band.threads = 1;
   const LocalResult r = adapt_local(band.mesh, of_band);
   result.counts += r.counts;
@@ -181,7 +182,7 @@ LocalResult adapt_local(TetMesh& mesh, const LocalOptions& o) {
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
-  const bool band = o.kernel.only_retry;  // nearly as it shall be, so its cut needs no refinement
+  const bool band = o.kernel.only_retry();  // nearly as it shall be, so its cut needs no refinement
   if (o.threads <= 1 || mesh.tet_slots() < (band ? o.smallest_band : kSmallest) * static_cast<std::size_t>(o.threads) ||
       (!band && mostly_interface(mesh))) {
     run_alone(mesh, o, result);

@@ -9,7 +9,8 @@ namespace skein {
 struct LocalOptions {
   int threads = 1;
   KernelOptions kernel;
-  const SpacingField* spacing = nullptr;
+  const SpacingField* spacing = nullptr;           ///< not owned
+  const Geometry* geometry = &default_geometry();  ///< not owned
   std::size_t smallest_band = 50'000;  ///< tetrahedra per thread below which a band, of which few change, is not cut
 };
 struct LocalResult {

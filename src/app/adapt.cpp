@@ -129,8 +129,8 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   RunRecord record(comm, o.run);
   record.input = o.input;
   o.adapt.threads = o.run.threads;
-  o.adapt.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
-  o.adapt.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
+  o.adapt.method.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
+  o.adapt.method.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
   o.adapt.surface = !o.no_surface;
   record.options = to_json(o);
   note_threads(comm, o.run.threads, record.log);

@@ -21,6 +21,7 @@ void prepare(Part& p) {
   p.vert_mark.assign(p.mesh.vert_slots(), 0);
   p.edge_class.assign(p.mesh.vert_slots(), 0);
   p.tet_stamp = p.vert_stamp = 0;
+  p.closest_new = p.options.method.lengths.closest_new;
   p.free_tets.clear();
   p.free_verts.clear();
   p.dirty.assign(nt, kFromTheStart);
@@ -30,7 +31,7 @@ void prepare(Part& p) {
       if (!p.active(t)) p.dirty[t] = 0;  // no pass looks at it
       p.q3[t] = static_cast<float>(quality_cubed(p, t));
       p.edges[t] = p.classify_edges(t);
-      if (p.options.only_retry && !p.has_any(t, kRetry)) p.dirty[t] = 0;
+      if (p.options.only_retry() && !p.has_any(t, kRetry)) p.dirty[t] = 0;
     } else {
       p.free_tets.push_back(t);
     }

@@ -11,34 +11,45 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/geometry.hpp"
+#include "kernel/method.hpp"
 #include "mesh/tet_mesh.hpp"
 #include "metric/mesh_metric.hpp"
 #include "metric/spacing.hpp"
 
 namespace skein {
 
-/// How the kernel's passes are driven; lengths are metric, qualities are Q (not cubed).
+/// Whether facets (tagged faces) may change.
+enum class SurfaceChange : std::uint8_t { kAllowed, kNone };
+/// Where the passes begin.
+enum class Scope : std::uint8_t {
+  kActive,  ///< at all kActive vertices
+  kRetry    ///< at kRetry vertices only, and on to what changes, where active
+};
+/// How the quality of a tetrahedron is measured when its vertices have different metrics.
+enum class QualityMeasure : std::uint8_t {
+  kLargestMetric,  ///< in the metric of largest determinant (quality_cubed)
+  kLeast           ///< the least over the metrics of nearly that determinant (least_quality_cubed)
+};
+
+/// How the passes are driven on one part.
 struct KernelOptions {
-  bool centroid_points = false;  ///< create points at centroids with exclusion zones instead of along edges
-  bool springs = false;          ///< move vertices by springs between them instead of by quality
-  bool surface = true;           ///< tagged faces may change
-  int least_turns = 2;           ///< of the main passes, even if little changes any more
-  bool relax = false;            ///< strained edges are worked on one by one after the main passes
-  bool only_retry = false;       ///< begin at kRetry vertices only, and go on to what changes, where active
+  Method method;
+  SurfaceChange surface = SurfaceChange::kAllowed;
+  Scope scope = Scope::kActive;
+  int least_turns = 0;        ///< of the main passes, even if little changes any more; 0: as the method has it
+  bool lower_strain = false;  ///< strained edges are worked on one by one after the main passes
   /// The metric turns within the elements of the mesh that this part is of. Not set: as the part itself looks, which
   /// for a band round bad elements would say nothing.
   std::optional<bool> turning = {};
-  double split_above = 1.4142135623;  ///< edges longer than this get points
-  double collapse_below = 0.7071067;  ///< edges shorter than this lose an end
-  double length_min_new = 0.6;        ///< no new point closer than this to another
-  double surface_angle = 15;          ///< degrees a surface operation may turn a normal of a curved patch
-  double surface_deviation = 0.01;    ///< relative to the edge: how far a swap may leave the old facets
-  double collapse_deviation = 0.002;  ///< the same for a collapse; smaller, since these add up from pass to pass
+
+  [[nodiscard]] bool may_change_surface() const noexcept { return surface == SurfaceChange::kAllowed; }
+  [[nodiscard]] bool only_retry() const noexcept { return scope == Scope::kRetry; }
 };
 
 /// The kinds of passes, as bits of Part::dirty. A pass looks only at what has changed since it looked last, so that a
 /// converged mesh costs nothing but a scan of one byte per tetrahedron. Two bits stay: what was to be looked at from
-/// the beginning or has changed since is hunted, and what has changed may be held for another round.
+/// the beginning or has changed since is improved, and beside what has changed vertices may become retry vertices.
 enum Pass : std::uint8_t {
   kCollapsePass = 1,
   kInsertPass = 2,
@@ -82,7 +93,7 @@ inline constexpr std::array<std::array<std::uint8_t, 4>, 4> kEdgeOf{
 /// What a part has done.
 struct OperationCounts {
   std::int64_t insert = 0, collapse = 0, swap = 0, smooth = 0;
-  /// Elements below the quality that is hunted which no operator makes better, by what holds them: a vertex that must
+  /// Elements below Method::Improve::worst_below which no operator makes better, by what holds them: a vertex that must
   /// stay for now (interface), one on the boundary or a feature, or nothing but their surroundings.
   std::int64_t poor_at_interface = 0, poor_at_boundary = 0, poor_inside = 0;
   OperationCounts& operator+=(const OperationCounts& o) noexcept {
@@ -104,8 +115,10 @@ struct Part {
   const SpacingField* spacing = nullptr;  ///< not owned; intersected into the metric of every new vertex
   KernelOptions options;
   OperationCounts counts;
-  bool careful = false;  ///< elements are judged by least_quality_cubed
-  bool turning = false;  ///< of the result: what options.turning is for bands of it
+  QualityMeasure quality_measure = QualityMeasure::kLargestMetric;
+  double closest_new = Method{}.lengths.closest_new;  ///< of the pass at hand: no new point closer than this to another
+  const Geometry* geometry = &default_geometry();     ///< not owned
+  bool turning = false;                               ///< of the result: what options.turning shall be for bands of it
 
   // Kept by Cavity and the operators.
   IdVector<TetId, float> q3;                ///< quality_cubed of every tetrahedron
@@ -144,8 +157,9 @@ struct Part {
   [[nodiscard]] std::uint8_t classify(VertId a, VertId b) const noexcept {
     const Vec3 d = x(b) - x(a);
     const double qa = quad(mesh.metric[a].m, d), qb = quad(mesh.metric[b].m, d);
-    const double low2 = options.collapse_below * options.collapse_below;
-    const bool is_long = qa + qb > 2 * options.split_above * options.split_above, is_short = qa * qb < low2 * low2;
+    const double low2 = options.method.lengths.collapse_below * options.method.lengths.collapse_below;
+    const bool is_long = qa + qb > 2 * options.method.lengths.split_above * options.method.lengths.split_above,
+               is_short = qa * qb < low2 * low2;
     return static_cast<std::uint8_t>((is_long ? kMayBeLong : 0) | (is_short ? kMayBeShort : 0));
   }
   [[nodiscard]] EdgeBits classify_edges(TetId t) const noexcept {
@@ -156,11 +170,12 @@ struct Part {
     }
     return bits;
   }
-  /// Q^3 of (a, b, c, d), carefully if that is wanted.
+  /// Q^3 of (a, b, c, d), as `quality_measure` wants it.
   [[nodiscard]] double quality_cubed(VertId a, VertId b, VertId c, VertId d) const noexcept {
     const auto& y = mesh.coords;
     const auto& m = mesh.metric;
-    if (careful) return least_quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
+    if (quality_measure == QualityMeasure::kLeast)
+      return least_quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
     return skein::quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
   }
   /// A vertex of t has one of these flags.

@@ -76,6 +76,10 @@ struct TetMesh : VertColumns {
   [[nodiscard]] std::array<VertId, 2> edge_verts(TetId t, std::size_t e) const noexcept {
     return {tet2vert[t][kEdgeVerts[e][0]], tet2vert[t][kEdgeVerts[e][1]]};
   }
+  /// The feature edge between two vertices; null if there is none.
+  [[nodiscard]] const FeatureEdge* feature(VertId a, VertId b) const noexcept {
+    return has(a, kRidge) && has(b, kRidge) ? features.find(a, b) : nullptr;
+  }
   /// Makes two faces neighbours.
   void link(FaceId f, FaceId g) noexcept {
     neighbour(f) = g;

@@ -11,7 +11,7 @@
 
 #include "adapt/gaps.hpp"
 #include "dist/partition.hpp"
-#include "kernel/passes.hpp"
+#include "kernel/recipe.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "tests/kernel/metrics.hpp"
@@ -259,7 +259,7 @@ TEST_P(Blocks, WithInterfacesRefinedInTwoStepsTheyFitTogether) {
   };
   for (Block& b : parts) {
     prepare(b.part);
-    const double above = b.part.options.split_above;
+    const double above = b.part.options.method.lengths.split_above;
     ASSERT_TRUE(refine_block_interface(b, kCoarse));
     EXPECT_LE(longest(b), kCoarse * above);
     EXPECT_GT(longest(b), above);  // else the second step has nothing to do

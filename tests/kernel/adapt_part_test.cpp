@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "kernel/passes.hpp"
+#include "kernel/recipe.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "tests/kernel/judge.hpp"
@@ -60,8 +60,8 @@ RC_GTEST_PROP(AdaptPart, KeepsFlatSidedMeshesInAnyMetric, ()) {
   spec.seed = *rc::gen::arbitrary<unsigned>();
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
   Part p = make_part(spec, random_smooth_metric(random, 0.06, 0.6, 1));
-  p.options.centroid_points = *rc::gen::element(false, false, true);
-  p.options.springs = *rc::gen::element(false, false, true);
+  p.options.method.points = *rc::gen::element(PointCreation::kEdges, PointCreation::kEdges, PointCreation::kCentroids);
+  p.options.method.smoothing = *rc::gen::element(Smoothing::kQuality, Smoothing::kQuality, Smoothing::kSprings);
   const Measures before = measure(p.mesh);
   adapt_part(p);
   RC_ASSERT(judge(p) == "");
@@ -154,7 +154,7 @@ RC_GTEST_PROP(AdaptPart, KeepsTheSurfaceWhenAsked, ()) {
   spec.perturb = 0.2;
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
   Part p = make_part(spec, random_smooth_metric(random, 0.15, 0.8, 1));
-  p.options.surface = false;
+  p.options.surface = SurfaceChange::kNone;
   const Snapshot before(p);
   adapt_part(p);
   RC_ASSERT(judge(p) == "");
@@ -169,7 +169,7 @@ TEST_P(KeptSurface, GetsNoFlatElements) {
   metric.size = {GetParam(), GetParam(), GetParam()};
   for (const bool frozen : {false, true}) {
     Part p = make_part({.n = 6, .perturb = 0.2}, metric);
-    p.options.surface = frozen;
+    p.options.surface = frozen ? SurfaceChange::kAllowed : SurfaceChange::kNone;
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
       if (frozen && p.x(v).z == 0) p.mesh.vert_state[v] |= kFrozen;
     }
@@ -242,7 +242,7 @@ TEST(AdaptPart, CreatesPointsInTwoSteps) {
   EXPECT_GT(long_before, 0.99);
   EXPECT_LT(unit, 0.5);       // not the work of the second step
   EXPECT_GT(above_two, 0.1);  // between the bound of the second step and that of the first
-  EXPECT_LT(fit(p).longest, 2 * kCoarse * p.options.split_above);
+  EXPECT_LT(fit(p).longest, 2 * p.options.method.lengths.first_step * p.options.method.lengths.split_above);
   adapt_part(p);
   ASSERT_EQ(judge(p), "");
   EXPECT_GT(p.counts.insert, 4 * coarse);
@@ -255,7 +255,7 @@ TEST(AdaptPart, RelaxesStrainedEdges) {
   metric.size = {0.03, 0.06, 0.12};
   const auto adapted = [&](bool relax) {
     Part p = make_part({.n = 4, .two_regions = true, .perturb = 0.2}, metric);
-    p.options.relax = relax;
+    p.options.lower_strain = relax;
     const Measures before = measure(p.mesh);
     adapt_part(p);
     EXPECT_EQ(judge(p), "");
@@ -359,7 +359,7 @@ TEST(AdaptPart, FitsAMetricThatTurnsWithinItsElements) {
     set_metric(p.mesh, metric);
     prepare(p);
     adapt_part(p);
-    EXPECT_FALSE(p.careful);
+    EXPECT_EQ(p.quality_measure, QualityMeasure::kLargestMetric);
     EXPECT_TRUE(p.mesh.anchor.empty());
     EXPECT_EQ(judge(p), "");
     EXPECT_EQ(differ(before, measure(p.mesh), 1e-12), "");

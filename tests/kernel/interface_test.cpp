@@ -100,7 +100,7 @@ RC_GTEST_PROP(RefineInterface, GivesTheSameOnAllSides, ()) {
         RC_ASSERT(p.mesh.has(f[i], kFrozen));
         const VertId v = f[i], w = f[(i + 1) % 3];
         const bool stays = kept.has(p.mesh, v) || kept.has(p.mesh, w);
-        RC_ASSERT(stays || p.length(v, w) <= p.options.split_above * (1 + 1e-12));
+        RC_ASSERT(stays || p.length(v, w) <= p.options.method.lengths.split_above * (1 + 1e-12));
       }
     }
     const Interface mine = interface_of(p, pieces.gid[b]);

@@ -13,9 +13,9 @@ namespace {
 
 bool was_live(const TetMesh& m, TetId t) { return idx(t) < m.tet_slots() && m.is_live(t); }
 
-double quality_cubed_of(const TetMesh& m, TetId t, bool careful) {
+double quality_cubed_of(const TetMesh& m, TetId t, QualityMeasure measure) {
   const auto& v = m.tet2vert[t];
-  if (careful) {
+  if (measure == QualityMeasure::kLeast) {
     return least_quality_cubed(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]], m.metric[v[0]],
                                m.metric[v[1]], m.metric[v[2]], m.metric[v[3]]);
   }
@@ -88,13 +88,13 @@ Change change(const Snapshot& before, const Part& after, VertId moved) {
     }
     if (lived) {
       c.gone.push_back(t);
-      const double q3 = quality_cubed_of(before.mesh, t, before.careful);
+      const double q3 = quality_cubed_of(before.mesh, t, before.quality_measure);
       c.old_min = std::min(c.old_min, q3);
       c.old_sum += inverse_sixth_power(q3);
     }
     if (lives) {
       c.fresh.push_back(t);
-      const double q3 = quality_cubed_of(after.mesh, t, after.careful);
+      const double q3 = quality_cubed_of(after.mesh, t, after.quality_measure);
       c.new_min = std::min(c.new_min, q3);
       c.new_sum += inverse_sixth_power(q3);
     }

@@ -12,8 +12,8 @@ namespace skein::test {
 struct Snapshot {
   TetMesh mesh;
   IdVector<TetId, float> q3;
-  bool careful;
-  explicit Snapshot(const Part& p) : mesh(p.mesh), q3(p.q3), careful(p.careful) {}
+  QualityMeasure quality_measure;
+  explicit Snapshot(const Part& p) : mesh(p.mesh), q3(p.q3), quality_measure(p.quality_measure) {}
 };
 
 /// Empty when all that lives is the same bit by bit. Free slots may have come.
