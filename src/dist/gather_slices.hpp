@@ -15,6 +15,10 @@ namespace skein {
 /// @pre dist is compact and reconciled.
 MeshSlice to_slices(const Comm& comm, const DistMesh& dist);
 
+/// Collective. The tagged faces and the feature edges that this rank writes; over all ranks each is there once.
+std::vector<FaceId> faces_to_write(const Comm& comm, const DistMesh& dist);
+std::vector<FeatureEdge> edges_to_write(const Comm& comm, const DistMesh& dist);
+
 /// Collective. The data numbers first_component, first_component+1, ... (as many as `kinds` have) of the vertices, in
 /// the order of to_slices().
 FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, int first_component,

@@ -1,0 +1,138 @@
+// The flow of an adaptation.
+#include "api/adaptation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "api/values.hpp"
+#include "base/text.hpp"
+#include "solution/transfer.hpp"
+
+namespace skein {
+namespace {
+
+constexpr double kSizeGradation = 1.3;
+
+void note_findings(PhaseLog& log, const DistributeReport& r) {
+  const auto note = [&](std::int64_t n, const char* what) {
+    if (n > 0) log.note(fmt::format("note: {} {}", grouped(n), what));
+  };
+  if (r.flipped) log.note("note: all tetrahedra were negatively oriented and have been turned");
+  note(r.untagged_hull_faces, "faces of the hull have no triangle in the file; they become a patch of their own");
+  note(r.untagged_region_faces, "faces between regions have no triangle in the file; they become a patch of their own");
+  note(r.unused_verts, "vertices of no tetrahedron are dropped");
+  note(r.lost_edges, "edges of the file are no edge of a tetrahedron and are dropped");
+}
+
+void note_gradation(PhaseLog& log, const GradationReport& r, std::int64_t vertices) {
+  if (r.lowered > 0) {
+    log.note(fmt::format("gradation: stricter at {} of {} vertices", grouped(r.lowered), grouped(vertices)));
+  }
+  if (!r.converged) log.note("note: the gradation has not converged; sizes may still grow faster in places");
+}
+
+void note_transfer(PhaseLog& log, const TransferReport& r) {
+  if (r.outside == 0) return;
+  log.note(
+      fmt::format("note: {} vertices outside of the old mesh, by up to {:.3g}, have the fields of its nearest point",
+                  grouped(r.outside), r.farthest));
+}
+
+std::int64_t local_tets(const DistMesh& dist) noexcept { return static_cast<std::int64_t>(dist.mesh.tet_slots()); }
+
+/// Takes the last `width` numbers of each vertex out of the mesh's data.
+VertexData take_carried(DistMesh& dist, int width) {
+  VertexData rest, carried;
+  rest.width = dist.data.width - width, carried.width = width;
+  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
+    const double* d = dist.data.at(v);
+    rest.values.insert(rest.values.end(), d, d + rest.width);
+    carried.values.insert(carried.values.end(), d + rest.width, d + dist.data.width);
+  }
+  dist.data = std::move(rest);
+  return carried;
+}
+
+/// Collective. The old mesh with the fields on it, until they arrive at the new one.
+class Carrier {
+ public:
+  Carrier(const Comm& comm, DistMesh& dist, VertexData fields) {
+    if (fields.width > 0) old_.emplace(comm, dist, std::move(fields));
+  }
+  [[nodiscard]] bool has_any() const noexcept { return old_.has_value(); }
+  /// Collective. Puts them behind the data of the new mesh and forgets the old one.
+  void arrive(DistMesh& dist, int threads, PhaseLog& log) {
+    log.start("transfer fields");
+    TransferReport report;
+    const VertexData carried = old_->at_vertices(dist, threads, &report);
+    old_.reset();
+    dist.data.values = side_by_side(dist.data.values, dist.data.width, carried.values, carried.width);
+    dist.data.width += carried.width;
+    log.finish(local_tets(dist));
+    note_transfer(log, report);
+  }
+
+ private:
+  std::optional<Background> old_;
+};
+
+/// Collective. The slices are gone when it returns.
+DistMesh distribute_input(const Comm& comm, AdaptationInput input, const DistributeOptions& options, PhaseLog& log) {
+  log.start("distribute");
+  DistributeReport found;
+  DistMesh dist = distribute(comm, input.mesh, &input.values, options, &found);
+  log.finish(local_tets(dist));
+  note_findings(log, found);
+  return dist;
+}
+
+}  // namespace
+
+double usual_gradation(MetricSource source) noexcept { return source == MetricSource::kSizes ? kSizeGradation : 0; }
+
+void require_sense(const MetricPolicy& metric) {
+  const auto fail = [](const char* line) { throw Error(ExitCode::kUsage, line); };
+  if (metric.source == MetricSource::kField && metric.complexity <= 0) {
+    fail("adapt: --field needs --complexity, which tells how many elements there shall be (about a tenth of them)");
+  }
+  if (metric.h_min > metric.h_max) fail("adapt: --hmin is greater than --hmax");
+  if (metric.gradation != 0 && metric.gradation <= 1) {
+    fail("adapt: --gradation must be greater than 1 (usual: 1.2 to 2), or 0 for none");
+  }
+}
+
+FieldSlice side_by_side(FieldSlice a, const FieldSlice& b) {
+  a.values = side_by_side(a.values, a.width, b.values, b.width);
+  a.width += b.width;
+  a.kinds.insert(a.kinds.end(), b.kinds.begin(), b.kinds.end());
+  return a;
+}
+
+DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
+                        const std::function<void(const std::string&)>& step_done) {
+  const auto done = [&](const char* step) {
+    if (step_done) step_done(step);
+  };
+  const int width = input.carried;
+  DistMesh dist = distribute_input(comm, std::move(input), options.distribute, log);
+
+  log.start("metric");
+  VertexData fields = take_carried(dist, width);
+  const GradationReport graded = make_metric(comm, dist, options.metric);
+  Carrier carrier(comm, dist, std::move(fields));
+  log.finish(local_tets(dist));
+  note_gradation(log, graded, dist.global_verts);
+  done("distribute");
+
+  adapt(comm, dist, options.adapt, log);
+  done("adapt");
+  if (!carrier.has_any()) return dist;
+  carrier.arrive(dist, options.adapt.threads, log);
+  done("transfer");
+  return dist;
+}
+
+}  // namespace skein
