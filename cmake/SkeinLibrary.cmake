@@ -22,6 +22,9 @@ function(skein_library name)
   target_link_libraries(${name} PUBLIC skein_options ${ARG_LINK})
 endfunction()
 
+# The rooms that the public headers need, which make up libskein.
+set(skein_library_rooms base comm mesh metric kernel partition dist solution adapt report statistics api)
+
 # Of a shared library only what the public headers have; see skein.map.
 function(skein_show_only_api target)
   set(map ${PROJECT_SOURCE_DIR}/cmake/skein.map)

@@ -60,7 +60,7 @@ AdaptationOptions to_internal(const Options& o, Target::Kind kind) {
 }
 
 /// What the command line's parser checks for the program. Comparisons are such that NaN is refused, too.
-void require_in_range(const Options& o, const Fields& fields) {
+void require_in_range(const Options& o, Target::Kind kind, const Fields& fields) {
   const auto require = [](bool holds, const char* line) {
     if (!holds) throw Error(ExitCode::kUsage, line);
   };
@@ -68,7 +68,11 @@ void require_in_range(const Options& o, const Fields& fields) {
   require(o.h_min >= 0 && std::isfinite(o.h_min), "Options::h_min must be a number >= 0");
   require(o.h_max > 0, "Options::h_max must be greater than 0");
   require(o.norm >= 1, "Options::norm must be at least 1, or infinity");
-  require(!o.gradation || *o.gradation >= 0, "Options::gradation must be greater than 1, or 0 for none");
+  require(o.h_min <= o.h_max, "Options::h_min is greater than Options::h_max");
+  require(!o.gradation || *o.gradation == 0 || *o.gradation > 1,
+          "Options::gradation must be greater than 1 (usual: 1.2 to 2), or 0 for none");
+  require(kind != Target::Kind::kField || o.complexity > 0,
+          "Target::field needs Options::complexity, about a tenth of the tetrahedra that there shall be");
   require(o.ridge_angle >= 0 && o.ridge_angle <= 180, "Options::ridge_angle must be between 0 and 180 degrees");
   require(o.rounds >= 1 && o.rounds <= 100, "Options::rounds must be between 1 and 100");
   require(o.threads >= 1 && o.threads <= 1024, "Options::threads must be between 1 and 1024");
@@ -244,11 +248,9 @@ Adapted<Mesh> run_for(MpiHandle caller, const Options& options, const Target& ta
                       MakeInput&& make_input, MakeResult&& make_result) {
   Adapted<Mesh> out;
   run_as_guest(caller, [&](const Comm& comm) {
-    agree(comm, [&] { require_in_range(options, fields); });
+    agree(comm, [&] { require_in_range(options, target.kind, fields); });
     require_same(comm, options, target, fields);
-    const AdaptationOptions internal = to_internal(options, target.kind);
-    agree(comm, [&] { require_sense(internal.metric); });
-    run(comm, options, internal, make_input, make_result, out);
+    run(comm, options, to_internal(options, target.kind), make_input, make_result, out);
   });
   return out;
 }

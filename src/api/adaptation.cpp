@@ -21,10 +21,10 @@ void note_findings(PhaseLog& log, const DistributeReport& r) {
     if (n > 0) log.note(fmt::format("note: {} {}", grouped(n), what));
   };
   if (r.flipped) log.note("note: all tetrahedra were negatively oriented and have been turned");
-  note(r.untagged_hull_faces, "faces of the hull have no triangle in the file; they become a patch of their own");
-  note(r.untagged_region_faces, "faces between regions have no triangle in the file; they become a patch of their own");
+  note(r.untagged_hull_faces, "faces of the hull have no triangle; they become a patch of their own");
+  note(r.untagged_region_faces, "faces between regions have no triangle; they become a patch of their own");
   note(r.unused_verts, "vertices of no tetrahedron are dropped");
-  note(r.lost_edges, "edges of the file are no edge of a tetrahedron and are dropped");
+  note(r.lost_edges, "edges are no edge of a tetrahedron and are dropped");
 }
 
 void note_gradation(PhaseLog& log, const GradationReport& r, std::int64_t vertices) {
@@ -92,17 +92,6 @@ DistMesh distribute_input(const Comm& comm, AdaptationInput input, const Distrib
 }  // namespace
 
 double usual_gradation(MetricSource source) noexcept { return source == MetricSource::kSizes ? kSizeGradation : 0; }
-
-void require_sense(const MetricPolicy& metric) {
-  const auto fail = [](const char* line) { throw Error(ExitCode::kUsage, line); };
-  if (metric.source == MetricSource::kField && metric.complexity <= 0) {
-    fail("adapt: --field needs --complexity, which tells how many elements there shall be (about a tenth of them)");
-  }
-  if (metric.h_min > metric.h_max) fail("adapt: --hmin is greater than --hmax");
-  if (metric.gradation != 0 && metric.gradation <= 1) {
-    fail("adapt: --gradation must be greater than 1 (usual: 1.2 to 2), or 0 for none");
-  }
-}
 
 FieldSlice side_by_side(FieldSlice a, const FieldSlice& b) {
   a.values = side_by_side(a.values, a.width, b.values, b.width);

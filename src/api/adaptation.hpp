@@ -29,9 +29,6 @@ struct AdaptationOptions {
 /// Growth of sizes per edge when the user has not chosen one: none, but for sizes, which are often given roughly.
 double usual_gradation(MetricSource source) noexcept;
 
-/// Throws Error(kUsage) for options that make no sense together. Not collective.
-void require_sense(const MetricPolicy& metric);
-
 /// The numbers of `a`, then those of `b`, vertex by vertex. @pre the same slice of vertices
 FieldSlice side_by_side(FieldSlice a, const FieldSlice& b);
 
