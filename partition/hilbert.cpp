@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 #include "base/radix_sort.hpp"
 
@@ -37,12 +36,8 @@ constexpr std::size_t kProbes = (1u << kStepBits) - 1;
 }  // namespace
 
 Box global_box(const Comm& comm, std::span<const Vec3> points) {
-  constexpr double kBig = std::numeric_limits<double>::max();
-  std::array<double, 6> b{kBig, kBig, kBig, kBig, kBig, kBig};  // minima of x and of -x
-  for (const Vec3 x : points) {
-    const std::array<double, 6> v{x.x, x.y, x.z, -x.x, -x.y, -x.z};
-    for (std::size_t i = 0; i < 6; ++i) b[i] = std::min(b[i], v[i]);
-  }
+  const Box mine = bounding_box(points);
+  std::array<double, 6> b{mine.low.x, mine.low.y, mine.low.z, -mine.high.x, -mine.high.y, -mine.high.z};
   comm.reduce(std::span<double>(b), Op::kMin);
   return {{b[0], b[1], b[2]}, {-b[3], -b[4], -b[5]}};
 }

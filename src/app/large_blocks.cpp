@@ -17,6 +17,8 @@
 #include <mutex>
 #include <new>
 
+#include "base/hash.hpp"
+
 namespace skein::app {
 namespace {
 
@@ -92,7 +94,7 @@ class UsedSpans {
  private:
   static constexpr std::size_t kSlots = 4096;
   static std::size_t home(void* p) noexcept {
-    return static_cast<std::size_t>(reinterpret_cast<std::uintptr_t>(p) / kLargePage * 0x9e3779b97f4a7c15ULL >> 52);
+    return mix(reinterpret_cast<std::uintptr_t>(p) / kLargePage) & (kSlots - 1);
   }
   static std::size_t next(std::size_t at) noexcept { return (at + 1) & (kSlots - 1); }
   static std::size_t distance(std::size_t from, std::size_t to) noexcept { return (to - from) & (kSlots - 1); }

@@ -3,24 +3,15 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "io/mesh_io.hpp"
-#include "metric/tensor.hpp"
-#include "report/statistics.hpp"
-#include "solution/hessian.hpp"
-#include "solution/hessian_metric.hpp"
 
 namespace skein::app {
 namespace {
 
-constexpr int kMostScalings = 10;
-constexpr double kComplexityTolerance = 1e-3;
-
 /// Throws unless the file has one field of the wanted kind, with a value for every vertex.
-void require_fit(const FieldSlice& f, const MeshSlice& mesh, const MetricOptions& o) {
-  const FieldKind want = o.metric.empty() ? FieldKind::kScalar : FieldKind::kTensor;
+void require_fit(const FieldSlice& f, const MeshSlice& mesh, FieldKind want) {
   if (f.kinds.size() != 1) {
     throw Error(ExitCode::kInput,
                 fmt::format("{}: {} fields at the vertices, but one is wanted", f.path, f.kinds.size()));
@@ -38,191 +29,32 @@ void require_fit(const FieldSlice& f, const MeshSlice& mesh, const MetricOptions
   }
 }
 
-SymTensor logarithm(const SymTensor& m, const std::string& path, std::int64_t vertex) {
-  if (!is_finite(m)) {
-    throw Error(ExitCode::kInput, fmt::format("{}: the metric at vertex {} is not finite", path, vertex));
-  }
-  if (!is_positive_definite(m)) {
-    const Eigen e = eigen(m);
-    throw Error(ExitCode::kInput,
-                fmt::format("{}: the metric at vertex {} is not positive definite: eigenvalues {:.6g}, {:.6g}, {:.6g}",
-                            path, vertex, e.value[0], e.value[1], e.value[2]));
-  }
-  return log(m);
-}
-
-void put(const SymTensor& l, double* out) noexcept {
-  out[0] = l.xx, out[1] = l.xy, out[2] = l.yy, out[3] = l.xz, out[4] = l.yz, out[5] = l.zz;
-}
-
-FieldSlice log_of_tensors(FieldSlice f) {
-  for (std::size_t i = 0; i < f.values.size() / 6; ++i) {
-    double* v = f.values.data() + 6 * i;
-    put(logarithm({v[0], v[1], v[2], v[3], v[4], v[5]}, f.path, f.first + static_cast<std::int64_t>(i) + 1), v);
-  }
-  return f;
-}
-
-FieldSlice log_of_sizes(const FieldSlice& sizes) {
-  FieldSlice f;
-  f.path = sizes.path, f.total = sizes.total, f.first = sizes.first;
-  f.kinds = {FieldKind::kTensor}, f.width = 6;
-  f.values.resize(6 * sizes.values.size());
-  for (std::size_t i = 0; i < sizes.values.size(); ++i) {
-    const double h = sizes.values[i];
-    if (!(h > 0) || !std::isfinite(h)) {
-      throw Error(ExitCode::kInput, fmt::format("{}: the size at vertex {} is {:.6g}; sizes must be greater than zero",
-                                                f.path, f.first + static_cast<std::int64_t>(i) + 1, h));
-    }
-    put(isotropic(-2 * std::log(h)), f.values.data() + 6 * i);
-  }
-  return f;
-}
-
-FieldSlice finite(FieldSlice f) {
-  for (std::size_t i = 0; i < f.values.size(); ++i) {
-    if (std::isfinite(f.values[i])) continue;
-    throw Error(ExitCode::kInput, fmt::format("{}: the value at vertex {} is not finite", f.path,
-                                              f.first + static_cast<std::int64_t>(i) + 1));
-  }
-  return f;
-}
-
-SymTensor get(const double* d) noexcept { return {d[0], d[1], d[2], d[3], d[4], d[5]}; }
-
-/// Clamps the sizes of the metric in dist.data.
-void clamp_metric(DistMesh& dist, const MetricOptions& o) {
-  if (o.h_min <= 0 && o.h_max >= 1e300) return;
-  const double low = -2 * std::log(o.h_max), high = o.h_min > 0 ? -2 * std::log(o.h_min) : 1e300;
-  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    double* d = dist.data.at(v);
-    Eigen e = eigen(get(d));
-    for (double& value : e.value) value = std::clamp(value, low, high);
-    put(compose(e), d);
-  }
-}
-
-GradationReport grade_isotropic(const Comm& comm, DistMesh& dist, double growth) {
-  std::vector<double> size(dist.mesh.vert_slots());
-  for (const VertId v : IdRange<VertId>(size.size())) size[idx(v)] = std::exp(-0.5 * dist.data.at(v)[0]);
-  const std::vector<double> before = size;
-  const GradationReport report = grade_sizes(comm, dist, Halo(comm, dist.sharing), growth, size);
-  for (const VertId v : IdRange<VertId>(size.size())) {
-    if (size[idx(v)] < before[idx(v)]) put(isotropic(-2 * std::log(size[idx(v)])), dist.data.at(v));
-  }
-  return report;
-}
-
-GradationReport grade_tensors(const Comm& comm, DistMesh& dist, double growth) {
-  std::vector<SymTensor> metric(dist.mesh.vert_slots());
-  for (const VertId v : IdRange<VertId>(metric.size())) metric[idx(v)] = exp(get(dist.data.at(v)));
-  const std::vector<SymTensor> before = metric;
-  const GradationReport report = grade_metric(comm, dist, growth, metric);
-  for (const VertId v : IdRange<VertId>(metric.size())) {
-    if (metric[idx(v)] != before[idx(v)]) put(log(metric[idx(v)]), dist.data.at(v));
-  }
-  return report;
-}
-
-/// Collective. Grades the metric in dist.data; nothing without o.gradation.
-GradationReport grade(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
-  if (o.gradation == 0) return {};
-  return o.size.empty() ? grade_tensors(comm, dist, o.gradation) : grade_isotropic(comm, dist, o.gradation);
-}
-
-/// Collective. Calls make(c), which sets dist.data to a metric of complexity c and grades it, until what the gradation
-/// adds is made up for and the complexity is o.complexity (secants of its logarithm over that of c).
-template <class Make>
-GradationReport meet_complexity(const Comm& comm, DistMesh& dist, const MetricOptions& o, Make&& make) {
-  const double wanted = std::log(o.complexity);
-  double aim = wanted, last_aim = 0, last = 0, slope = 1;
-  GradationReport report = make(o.complexity);
-  for (int i = 0; i < kMostScalings && o.gradation > 0; ++i) {
-    const double now = std::log(complexity(comm, dist));
-    if (std::abs(now - wanted) < kComplexityTolerance) break;
-    if (i > 0) {
-      if (std::abs(now - last) < 1e-9) break;  // bounds of the sizes put it out of reach
-      slope = std::clamp((now - last) / (aim - last_aim), 0.2, 2.0);
-    }
-    last = now;
-    last_aim = aim;
-    aim += (wanted - now) / slope;
-    report = make(std::exp(aim));
-  }
-  return report;
-}
-
-/// Collective. Scales the metric in dist.data to o.complexity (if given) and grades it, then clamps its sizes.
-GradationReport scale_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
-  GradationReport report;
-  if (o.complexity > 0) {
-    const double now = complexity(comm, dist);
-    agree(comm, [&] {
-      if (!(now > 0) || !std::isfinite(now)) {
-        throw Error(ExitCode::kInput, fmt::format("{}: its complexity is {}; it cannot be scaled", o.path(), now));
-      }
-    });
-    const std::vector<double> given = dist.data.values;
-    double shift = 0;  // of the diagonal of the logarithm
-    const auto scaled = [&] {
-      dist.data.values = given;
-      for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-        double* d = dist.data.at(v);
-        d[0] += shift, d[2] += shift, d[5] += shift;
-      }
-    };
-    report = meet_complexity(comm, dist, o, [&](double aim) {
-      shift = 2.0 / 3 * std::log(aim / now);
-      scaled();
-      return grade(comm, dist, o);
-    });
-    if (o.h_min <= 0 && o.h_max >= 1e300) return report;
-    scaled();  // clamped before it is graded, so that sizes below the least do not spread
-  }
-  clamp_metric(dist, o);
-  return grade(comm, dist, o);
-}
-
-/// Collective. dist.data holds a scalar; it becomes the logarithm of the metric of its second derivatives.
-GradationReport metric_of_field(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
-  std::vector<SymTensor> metric(dist.mesh.vert_slots());
-  const std::vector<SymTensor> hessian = recover_hessian(comm, dist, Halo(comm, dist.sharing), dist.data.values);
-  dist.data.width = 6;
-  dist.data.values.assign(6 * metric.size(), 0);
-  return meet_complexity(comm, dist, o, [&](double aim) {
-    hessian_metric(comm, dist, aim, o.norm, o.h_min, o.h_max, hessian, metric);
-    for (const VertId v : IdRange<VertId>(metric.size())) put(log(metric[idx(v)]), dist.data.at(v));
-    return grade(comm, dist, o);
-  });
-}
-
 }  // namespace
+
+MetricPolicy MetricOptions::policy() const {
+  MetricPolicy p = numbers;
+  p.source = !metric.empty() ? MetricSource::kTensors : !size.empty() ? MetricSource::kSizes : MetricSource::kField;
+  p.name = path();
+  return p;
+}
 
 void add_metric_options(CLI::App& verb, MetricOptions& o) {
   auto* metric = verb.add_option("--metric", o.metric, "metric: a symmetric tensor per vertex (.sol, .solb)");
   auto* size = verb.add_option("--size", o.size, "wanted edge length per vertex (.sol, .solb)");
   metric->excludes(size);
-  verb.add_option("--complexity", o.complexity, "scale the metric to this complexity; about 10 tetrahedra per unit")
+  verb.add_option("--complexity", o.numbers.complexity,
+                  "scale the metric to this complexity; about 10 tetrahedra per unit")
       ->check(CLI::PositiveNumber);
 }
 
 FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOptions& o) {
   FieldSlice f = read_fields(comm, o.path());
+  const MetricPolicy policy = o.policy();
   agree(comm, [&] {
-    require_fit(f, mesh, o);
-    if (!o.metric.empty()) {
-      f = log_of_tensors(std::move(f));
-    } else if (!o.size.empty()) {
-      f = log_of_sizes(f);
-    } else {
-      f = finite(std::move(f));
-    }
+    require_fit(f, mesh, policy.kind());
+    f = metric_values(std::move(f), policy.source);
   });
   return f;
-}
-
-GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricOptions& o) {
-  return o.field.empty() ? scale_metric(comm, dist, o) : metric_of_field(comm, dist, o);
 }
 
 }  // namespace skein::app

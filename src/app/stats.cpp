@@ -27,7 +27,7 @@ ExitCode stats(const Comm& comm, const Options& o) {
   FieldSlice metric;
   if (o.metric.given()) metric = read_metric(comm, mesh, o.metric);
   DistMesh dist = distribute(comm, mesh, o.metric.given() ? &metric : nullptr);
-  if (o.metric.given()) make_metric(comm, dist, o.metric);
+  if (o.metric.given()) make_metric(comm, dist, o.metric.policy());
   const MeshStatistics s = statistics(comm, dist, o.metric.given());
   if (comm.is_root()) fmt::print("{}", o.json ? to_json(s).dump() + "\n" : to_text(s));
   return ExitCode::kOk;

@@ -11,17 +11,23 @@ namespace skein {
 template <Identifier Id>
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t n) : parent_(n) {
-    for (std::size_t i = 0; i < n; ++i) parent_[to_id<Id>(i)] = to_id<Id>(i);
+  explicit UnionFind(std::size_t n) { reset(n); }
+  /// All n apart again.
+  void reset(std::size_t n) {
+    parent_.resize(n);
+    for (const Id i : IdRange<Id>(n)) parent_[i] = i;
   }
   [[nodiscard]] Id root(Id i) noexcept {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  void join(Id i, Id j) noexcept {
+  /// False when they are together already.
+  bool join(Id i, Id j) noexcept {
     i = root(i);
     j = root(j);
+    if (i == j) return false;
     parent_[std::max(i, j)] = std::min(i, j);
+    return true;
   }
 
  private:

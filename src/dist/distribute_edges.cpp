@@ -4,6 +4,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "base/union_find.hpp"
 #include "dist/distribute_steps.hpp"
 #include "dist/feature_scan.hpp"
 #include "dist/sharing.hpp"
@@ -137,16 +138,14 @@ std::vector<FeatureEnd> merge_ends(std::vector<FeatureEnd> ends) {
   return out;
 }
 
+enum class RimVert : std::int32_t {};  ///< place in the list of vertices round a vertex
+
 /// Vertices (ascending, each once) where the tagged faces are more than one fan.
 std::vector<GlobalId> split_fans(std::vector<FaceCorner> corners) {
   std::sort(corners.begin(), corners.end(),
             [](const FaceCorner& a, const FaceCorner& b) { return std::tie(a.v, a.b, a.c) < std::tie(b.v, b.b, b.c); });
   std::vector<GlobalId> out, rim;
-  std::vector<std::size_t> parent;
-  const auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind<RimVert> together(0);
   for (std::size_t i = 0; i < corners.size();) {
     std::size_t j = i;
     rim.clear();
@@ -156,18 +155,12 @@ std::vector<GlobalId> split_fans(std::vector<FaceCorner> corners) {
     }
     std::sort(rim.begin(), rim.end());
     rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
-    parent.resize(rim.size());
-    for (std::size_t k = 0; k < rim.size(); ++k) parent[k] = k;
+    together.reset(rim.size());
     std::size_t fans = rim.size();
     const auto place = [&](GlobalId g) {
-      return root(static_cast<std::size_t>(std::lower_bound(rim.begin(), rim.end(), g) - rim.begin()));
+      return to_id<RimVert>(std::lower_bound(rim.begin(), rim.end(), g) - rim.begin());
     };
-    for (std::size_t k = i; k < j; ++k) {
-      const std::size_t b = place(corners[k].b), c = place(corners[k].c);
-      if (b == c) continue;
-      parent[b] = c;
-      --fans;
-    }
+    for (std::size_t k = i; k < j; ++k) fans -= together.join(place(corners[k].b), place(corners[k].c)) ? 1 : 0;
     if (fans > 1) out.push_back(corners[i].v);
     i = j;
   }

@@ -8,6 +8,7 @@
 #include "base/hilbert.hpp"
 #include "dist/distribute_steps.hpp"
 #include "mesh/predicates.hpp"
+#include "metric/complexity.hpp"
 #include "partition/hilbert.hpp"
 
 namespace skein::distributing {
@@ -149,7 +150,7 @@ std::size_t local(const FileSource& src, GlobalId g) noexcept {
 /// A vertex as a tetrahedron's destination depends on it.
 struct Site {
   Vec3 x;
-  double trace;  ///< of the log-metric
+  double half_trace;  ///< of the log-metric
 };
 
 /// The slice's tetrahedra with their Hilbert keys, and the rank of each.
@@ -167,7 +168,7 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   for (const GlobalId g : inquiry.asked().items) {
     const std::size_t v = local(src, g);
     const double* l = metric ? src.fields->values.data() + v * static_cast<std::size_t>(src.fields->width) : nullptr;
-    answers.push_back({src.file.coords[v], metric ? l[0] + l[2] + l[5] : 0});
+    answers.push_back({src.file.coords[v], metric ? 0.5 * (l[0] + l[2] + l[5]) : 0});
   }
   const auto sites = inquiry.answer(answers);
   const Box box = global_box(src.comm, src.file.coords);
@@ -178,8 +179,8 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
     for (std::size_t k = 0; k < 4; ++k) s[k] = sites[idx(verts[i][k])];
     centre[i] = 0.25 * (s[0].x + s[1].x + s[2].x + s[3].x);
     if (metric) {  // about predicted_elements()
-      const double w = 10 * std::exp(0.125 * (s[0].trace + s[1].trace + s[2].trace + s[3].trace)) *
-                       std::abs(volume6(s[0].x, s[1].x, s[2].x, s[3].x)) / 6;
+      const double mean = centroid_rule({s[0].half_trace, s[1].half_trace, s[2].half_trace, s[3].half_trace});
+      const double w = tets_of_unit_mesh(mean, volume6(s[0].x, s[1].x, s[2].x, s[3].x));
       if (std::isfinite(w)) work[i] += w;
     }
   }

@@ -2,7 +2,6 @@
 #include "dist/partition.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -10,6 +9,7 @@
 #include "base/union_find.hpp"
 #include "dist/dual_graph.hpp"
 #include "dist/interface_faces.hpp"
+#include "metric/complexity.hpp"
 #include "partition/hilbert.hpp"
 #include "partition/multilevel.hpp"
 
@@ -60,34 +60,14 @@ IdVector<TetId, PartId> partition(const Comm& comm, const DistMesh& dist, std::s
   return {};
 }
 
-namespace {
-
-/// The mean of exp(l) over a tetrahedron, l linear with these values at the corners: corners and face centroids, exact
-/// for cubics. Corners alone tell little where the metric varies much inside of a tetrahedron.
-double mean_exp(const std::array<double, 4>& l) noexcept {
-  const double sum = l[0] + l[1] + l[2] + l[3];
-  double corners = 0, faces = 0;
-  for (const double at : l) {
-    corners += std::exp(at);
-    faces += std::exp((sum - at) / 3);
-  }
-  return (corners + 9 * faces) / 40;
-}
-
-}  // namespace
-
 std::vector<double> predicted_elements(const DistMesh& dist) {
-  constexpr double kTetsPerComplexity = 10;
   const TetMesh& m = dist.mesh;
   std::vector<double> elements(m.tet_slots(), 1.0);
   if (dist.data.width < 6) return elements;
-  std::array<double, 4> half_trace;  // of log M: sqrt(det M) = exp(trace / 2)
+  const auto l = [&](VertId v) { return log_sqrt_det(log_metric_at(dist, v)); };
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double* l = dist.data.at(m.tet2vert[t][k]);
-      half_trace[k] = 0.5 * (l[0] + l[2] + l[5]);
-    }
-    elements[idx(t)] = kTetsPerComplexity * mean_exp(half_trace) * std::abs(volume6(m, t)) / 6;
+    const auto& v = m.tet2vert[t];
+    elements[idx(t)] = tets_of_unit_mesh(vertex_face_rule({l(v[0]), l(v[1]), l(v[2]), l(v[3])}), volume6(m, t));
   }
   return elements;
 }
@@ -95,9 +75,9 @@ std::vector<double> predicted_elements(const DistMesh& dist) {
 namespace {
 
 /// How far the metric with this logarithm is from an isotropic one: the length of the logarithm's deviator.
-double anisotropy(const double* l) noexcept {
-  const double mean = (l[0] + l[2] + l[5]) / 3, x = l[0] - mean, y = l[2] - mean, z = l[5] - mean;
-  return std::sqrt(x * x + y * y + z * z + 2 * (l[1] * l[1] + l[3] * l[3] + l[4] * l[4]));
+double anisotropy(const SymTensor& l) noexcept {
+  const double mean = (l.xx + l.yy + l.zz) / 3, x = l.xx - mean, y = l.yy - mean, z = l.zz - mean;
+  return std::sqrt(x * x + y * y + z * z + 2 * (l.xy * l.xy + l.xz * l.xz + l.yz * l.yz));
 }
 
 }  // namespace
@@ -111,7 +91,7 @@ std::vector<double> predicted_work(const DistMesh& dist) {
   constexpr double kMore = 0.6;
   IdVector<VertId, double> made(dist.mesh.vert_slots());
   for (const VertId v : IdRange<VertId>(made.size())) {
-    made[v] = 1 + kMore * (1 - std::exp(-anisotropy(dist.data.at(v))));
+    made[v] = 1 + kMore * (1 - std::exp(-anisotropy(log_metric_at(dist, v))));
   }
   for (const TetId t : IdRange<TetId>(work.size())) {
     double& w = work[idx(t)];

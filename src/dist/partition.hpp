@@ -33,8 +33,8 @@ IdVector<TetId, Rank> to_ranks(const IdVector<TetId, PartId>& part);
 IdVector<TetId, PartId> partition(const Comm& comm, const DistMesh& dist, std::span<const double> tet_work, int parts,
                                   PartitionMethod method = PartitionMethod::kHilbert, int threads = 1);
 
-/// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M), the
-/// log-metric being the first 6 data numbers. 1 when data.width < 6.
+/// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M)
+/// (vertex_face_rule), the log-metric being the first 6 data numbers. 1 when data.width < 6.
 std::vector<double> predicted_elements(const DistMesh& dist);
 /// Expected cost of each tetrahedron in an adaptation, in units of what it takes to make a new one for an isotropic
 /// metric: those that are made for another cost up to 1.4 times as much, those that go somewhat less, those that stay

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "base/hash.hpp"
 #include "base/parallel.hpp"
 #include "dist/rendezvous.hpp"
 #include "dist/sharing.hpp"
@@ -58,10 +59,6 @@ struct Adjacency {
 
 /// Antisymmetric in its arguments, and else as good as random. Short, as there are many.
 std::uint64_t pair_hash(FaceId f, FaceId g) noexcept {
-  const auto scramble = [](std::uint64_t x) {
-    x *= 0x9e3779b97f4a7c15ULL;
-    return x ^ (x >> 32);
-  };
   const auto a = static_cast<std::uint64_t>(num(f)), b = static_cast<std::uint64_t>(num(g));
   return scramble(a) * (2 * b + 1) - scramble(b) * (2 * a + 1);
 }

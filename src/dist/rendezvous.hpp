@@ -20,6 +20,14 @@ constexpr Rank meeting_rank(std::uint64_t hash, int ranks) noexcept {
 }
 constexpr Rank meeting_rank(GlobalId g, int ranks) noexcept { return meeting_rank(mix(g), ranks); }
 
+/// Of some ids in this order.
+template <std::size_t N>
+constexpr std::uint64_t hash_of(const std::array<GlobalId, N>& gid) noexcept {
+  std::uint64_t h = mix(gid[0]);
+  for (std::size_t i = 1; i < N; ++i) h = mix(h ^ static_cast<std::uint64_t>(num(gid[i])));
+  return h;
+}
+
 /// A face by its global ids, ascending. `odd` tells the orientation: the outward order of the face is an odd
 /// permutation of the ascending one; the two tetrahedra at a face have different `odd`.
 struct FaceKey {
@@ -38,8 +46,7 @@ inline FaceKey face_key(const TetMesh& m, const IdVector<VertId, GlobalId>& vert
   return face_key(vert2gid[v[0]], vert2gid[v[1]], vert2gid[v[2]]);
 }
 constexpr Rank meeting_rank(const std::array<GlobalId, 3>& gid, int ranks) noexcept {
-  return meeting_rank(
-      mix(mix(mix(gid[0]) ^ static_cast<std::uint64_t>(num(gid[1]))) ^ static_cast<std::uint64_t>(num(gid[2]))), ranks);
+  return meeting_rank(hash_of(gid), ranks);
 }
 
 /// Global ids numbered 0, 1, ... in the order of their first insertion: open addressing, or a place for each id where

@@ -9,23 +9,13 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/box.hpp"
 #include "base/error.hpp"
 
 namespace skein {
 namespace {
 
 using Triangle = std::array<GlobalId, 3>;
-
-struct Box {
-  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  void add(Vec3 x) noexcept {
-    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
-    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
-  }
-  [[nodiscard]] bool has(Vec3 x) const noexcept {
-    return x.x >= low.x && x.y >= low.y && x.z >= low.z && x.x <= high.x && x.y <= high.y && x.z <= high.z;
-  }
-};
 
 Vec3 centroid(std::span<const Vec3> coords, const Triangle& t) noexcept {
   return (1.0 / 3.0) * (coords[idx(t[0])] + coords[idx(t[1])] + coords[idx(t[2])]);
@@ -85,17 +75,17 @@ double winding_number(std::span<const Vec3> coords, std::span<const Triangle> tr
 
 void find_depths(std::span<const Vec3> coords, Shells& shells) {
   const std::size_t n = shells.triangles.size();
-  std::vector<Box> box(n);
+  std::vector<Box> box(n, kEmptyBox);
   for (std::size_t i = 0; i < n; ++i) {
     for (const Triangle& t : shells.triangles[i]) {
-      for (const GlobalId v : t) box[i].add(coords[idx(v)]);
+      for (const GlobalId v : t) box[i] = join(box[i], coords[idx(v)]);
     }
   }
   shells.depth.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 x = centroid(coords, shells.triangles[i].front());
     for (std::size_t k = 0; k < n; ++k) {
-      if (k != i && box[k].has(x) && winding_number(coords, shells.triangles[k], x) > 0.5) ++shells.depth[i];
+      if (k != i && contains(box[k], x) && winding_number(coords, shells.triangles[k], x) > 0.5) ++shells.depth[i];
     }
   }
 }

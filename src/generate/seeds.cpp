@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/hash.hpp"
+
 namespace skein {
 namespace {
 
@@ -186,9 +188,7 @@ class NearSurface {
 
 /// A number in [-1, 1) that follows from the key and the axis alone.
 double jitter(int level, Key k, std::uint64_t axis) noexcept {
-  std::uint64_t h = k * 0x9e3779b97f4a7c15ULL + (axis + 3 * static_cast<std::uint64_t>(level)) * 0xd1b54a32d192ed03ULL;
-  h = (h ^ h >> 32) * 0xd6e8feb86659fd93ULL;
-  h = (h ^ h >> 32) * 0xd6e8feb86659fd93ULL;
+  const std::uint64_t h = mix_pair(k, axis + 3 * static_cast<std::uint64_t>(level));
   return std::ldexp(static_cast<double>(h >> 11), -52) - 1;
 }
 

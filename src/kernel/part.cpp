@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "mesh/adjacency.hpp"
+#include "metric/complexity.hpp"
 
 namespace skein {
 
@@ -37,15 +38,8 @@ void prepare(Part& p) {
 }
 
 std::int64_t expected_points(const TetMesh& m, const MetricField& metric) {
-  constexpr double kPointsPerComplexity = 1.7;
-  double sum = 0;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (!m.is_live(t)) continue;
-    double density = 0;
-    for (const VertId v : m.tet2vert[t]) density += metric.at[v].sqrt_det / 4;
-    sum += density * volume6(m, t) / 6;
-  }
-  return static_cast<std::int64_t>(kPointsPerComplexity * sum) + 1000;
+  const double complexity = complexity_of(m, [&](VertId v) { return metric.at[v].sqrt_det; });
+  return static_cast<std::int64_t>(kVertsPerComplexity * complexity) + 1000;
 }
 
 void reserve(Part& p, std::size_t points) {

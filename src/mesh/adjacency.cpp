@@ -98,14 +98,11 @@ void gather(IdVector<Id, T>& v, const std::vector<Id>& from) {
   v = std::move(out);
 }
 
+/// Of the live vertices.
 Box bounding_box(const TetMesh& m) noexcept {
-  constexpr double kBig = 1e300;
-  Box box{{kBig, kBig, kBig}, {-kBig, -kBig, -kBig}};
+  Box box = kEmptyBox;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    if (!m.is_live(v)) continue;
-    const Vec3 x = m.coords[v];
-    box.low = {std::min(box.low.x, x.x), std::min(box.low.y, x.y), std::min(box.low.z, x.z)};
-    box.high = {std::max(box.high.x, x.x), std::max(box.high.y, x.y), std::max(box.high.z, x.z)};
+    if (m.is_live(v)) box = join(box, m.coords[v]);
   }
   return box;
 }

@@ -3,18 +3,18 @@
 
 #include <algorithm>
 
+#include "base/hash.hpp"
+
 namespace skein {
 namespace {
-std::uint64_t mix(VertId a, VertId b) noexcept {
-  std::uint64_t k = static_cast<std::uint64_t>(num(a)) << 32 | static_cast<std::uint32_t>(num(b));
-  k *= 0x9e3779b97f4a7c15ULL;
-  return k ^ (k >> 29);
+std::uint64_t hash_of(VertId a, VertId b) noexcept {
+  return table_hash(static_cast<std::uint64_t>(num(a)) << 32 | static_cast<std::uint32_t>(num(b)));
 }
 }  // namespace
 
 std::size_t FeatureEdges::slot(VertId a, VertId b) const noexcept {
   const std::size_t mask = table_.size() - 1;
-  std::size_t s = mix(a, b) & mask;
+  std::size_t s = hash_of(a, b) & mask;
   while (table_[s] >= 0) {
     const auto& e = list_[table_[s]];
     if (e.a == a && e.b == b) break;
@@ -57,7 +57,7 @@ void FeatureEdges::erase(VertId a, VertId b) noexcept {
   table_[gap] = -1;
   for (std::size_t s = (gap + 1) & mask; table_[s] >= 0; s = (s + 1) & mask) {
     const auto& e = list_[table_[s]];
-    const std::size_t home = mix(e.a, e.b) & mask;
+    const std::size_t home = hash_of(e.a, e.b) & mask;
     if (((s - home) & mask) >= ((s - gap) & mask)) {
       table_[gap] = table_[s];
       table_[s] = -1;

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 
+#include "base/hash.hpp"
 #include "base/parallel.hpp"
 
 namespace skein {
@@ -43,7 +44,7 @@ class FaceTable {
     const std::int64_t low = std::int64_t{num(v[0])} << 32 | num(v[1]);
     const auto key = static_cast<std::uint64_t>(low) + static_cast<std::uint64_t>(num(v[2])) * 0xbf58476d1ce4e5b9U;
     const std::size_t mask = sides_.size() - 1;
-    std::size_t s = (key ^ key >> 29) * 0x9e3779b97f4a7c15U >> 20 & mask;
+    std::size_t s = table_hash(key) & mask;
     while (sides_[s].face != kNoFace && (sides_[s].low != low || sides_[s].high != v[2])) s = (s + 1) & mask;
     sides_[s].low = low;
     sides_[s].high = v[2];

@@ -7,11 +7,10 @@
 
 namespace skein {
 
-/// exp(log_m) with sqrt(det) = exp(trace/2): exact for any anisotropy, where the determinant of a tensor turned against
-/// the axes loses all digits from about 10^4 on.
+/// exp(log_m), with sqrt(det) from the trace: see log_sqrt_det().
 inline VertMetric vert_metric_from_log(const SymTensor& log_m) noexcept {
   const SymTensor m = exp(log_m);
-  const double sqrt_det = std::exp(0.5 * (log_m.xx + log_m.yy + log_m.zz));
+  const double sqrt_det = std::exp(log_sqrt_det(log_m));
   return {m, sqrt_det, order_key_of(m, sqrt_det)};
 }
 

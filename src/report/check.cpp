@@ -10,6 +10,7 @@
 
 #include "comm/exchange.hpp"
 #include "comm/file.hpp"
+#include "dist/rendezvous.hpp"
 #include "mesh/tet_mesh.hpp"
 
 namespace skein {
@@ -17,20 +18,6 @@ namespace {
 
 /// Faces in one batch on a rank, at most about; bounds the memory.
 constexpr std::int64_t kBatchFaces = 4'000'000;
-
-std::uint64_t mix(std::uint64_t h, std::uint64_t v) noexcept {
-  h = (h ^ v) * 0x9e3779b97f4a7c15ULL;
-  return h ^ (h >> 29);
-}
-template <std::size_t N>
-std::uint64_t hash_of(const std::array<GlobalId, N>& ids) noexcept {
-  std::uint64_t h = 0x243f6a8885a308d3ULL;
-  for (const GlobalId g : ids) h = mix(h, static_cast<std::uint64_t>(num(g)));
-  return mix(h, 0);
-}
-Rank order_key_of(std::uint64_t hash, int ranks) noexcept {
-  return to_id<Rank>(hash % static_cast<std::uint64_t>(ranks));
-}
 
 bool before(const Finding& a, const Finding& b) noexcept {
   if (a.fault != b.fault) return a.fault < b.fault;
@@ -199,7 +186,7 @@ std::vector<Edge> match_faces(const Comm& comm, const MeshSlice& mesh, Findings&
       const std::uint64_t h = hash_of(f.key);
       if (h / ranks % batches != batch) return;
       send.push_back(f);
-      dest.push_back(order_key_of(h, comm.size()));
+      dest.push_back(meeting_rank(h, comm.size()));
     };
     for (std::size_t t = 0; t < mesh.tets.verts.size(); ++t) {
       const auto& v = mesh.tets.verts[t];
@@ -232,7 +219,7 @@ std::vector<Edge> match_surface(const Comm& comm, const MeshSlice& mesh, Finding
   for (std::size_t t = 0; t < mesh.triangles.verts.size(); ++t) {
     send.push_back(
         make_face_record(mesh.triangles.verts[t], kNoGlobal, mesh.triangles.first + static_cast<std::int64_t>(t)));
-    dest.push_back(order_key_of(hash_of(send.back().key), comm.size()));
+    dest.push_back(meeting_rank(hash_of(send.back().key), comm.size()));
   }
   auto faces = exchange(comm, std::span<const Rank>(dest), std::span<const Face>(send)).items;
   std::sort(faces.begin(), faces.end(), by_key);
@@ -249,7 +236,7 @@ std::vector<Edge> match_surface(const Comm& comm, const MeshSlice& mesh, Finding
 /// Collective. Open and non-manifold edges of the hull. Gives vertices minus edges of the hull.
 std::int64_t judge_hull_edges(const Comm& comm, const MeshSlice& mesh, const std::vector<Edge>& mine, Findings& found) {
   std::vector<Rank> dest;
-  for (const Edge& e : mine) dest.push_back(order_key_of(hash_of(std::array<GlobalId, 2>{e.a, e.b}), comm.size()));
+  for (const Edge& e : mine) dest.push_back(meeting_rank(hash_of(std::array{e.a, e.b}), comm.size()));
   auto edges = exchange(comm, std::span<const Rank>(dest), std::span<const Edge>(mine)).items;
   std::sort(edges.begin(), edges.end());
   std::int64_t distinct = 0;
@@ -286,9 +273,9 @@ void judge_duplicate_vertices(const Comm& comm, const MeshSlice& mesh, Findings&
     if (!is_finite(mesh.coords[i])) continue;
     const Vec3 x = mesh.coords[i] + Vec3{};  // -0 becomes +0
     std::uint64_t h = 0;
-    for (const double c : {x.x, x.y, x.z}) h = mix(h, std::bit_cast<std::uint64_t>(c));
+    for (const double c : {x.x, x.y, x.z}) h = mix(h ^ std::bit_cast<std::uint64_t>(c));
     send.push_back({x, mesh.first_vert + static_cast<std::int64_t>(i)});
-    dest.push_back(order_key_of(mix(h, 0), comm.size()));
+    dest.push_back(meeting_rank(h, comm.size()));
   }
   auto points = exchange(comm, std::span<const Rank>(dest), std::span<const Point>(send)).items;
   std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) {

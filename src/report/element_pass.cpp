@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "metric/complexity.hpp"
+
 namespace skein {
 namespace {
 
@@ -136,16 +138,16 @@ void gather(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, TetId 
   }
   if (metric == nullptr) return;
   const VertMetric* strictest = &(*metric)[v[0]];
-  double sum = strictest->sqrt_det;
+  AtVerts sqrt_det{strictest->sqrt_det};
   for (std::size_t k = 1; k < 4; ++k) {
     const VertMetric& a = (*metric)[v[k]];
-    sum += a.sqrt_det;
+    sqrt_det[k] = a.sqrt_det;
     if (a.order_key > strictest->order_key) strictest = &a;
   }
   const SymTensor& s = strictest->m;
   b.metric[0][l] = s.xx, b.metric[1][l] = s.xy, b.metric[2][l] = s.yy;
   b.metric[3][l] = s.xz, b.metric[4][l] = s.yz, b.metric[5][l] = s.zz;
-  b.sqrt_det[l] = strictest->sqrt_det, b.mean_sqrt_det[l] = sum / 4;
+  b.sqrt_det[l] = strictest->sqrt_det, b.mean_sqrt_det[l] = vertex_rule(sqrt_det);
 }
 
 }  // namespace

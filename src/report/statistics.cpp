@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "dist/rendezvous.hpp"
 #include "metric/batch.hpp"
 #include "metric/measure.hpp"
 #include "report/element_pass.hpp"
@@ -20,18 +21,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-SymTensor log_metric(const VertexData& data, VertId v) noexcept {
-  const double* d = data.at(v);
-  return {d[0], d[1], d[2], d[3], d[4], d[5]};
-}
-
 IdVector<VertId, VertMetric> metrics(const DistMesh& dist, int threads) {
   const std::size_t n = dist.mesh.vert_slots();
   IdVector<VertId, VertMetric> m(n);
   in_parallel(threads, [&](int w) {
     vert_metrics_from_logs(
         share_begin(n, w, threads), share_begin(n, w + 1, threads),
-        [&](std::size_t i) { return log_metric(dist.data, to_id<VertId>(i)); },
+        [&](std::size_t i) { return log_metric_at(dist, to_id<VertId>(i)); },
         [&](std::size_t i, const VertMetric& v) { m[to_id<VertId>(i)] = v; });
   });
   return m;
@@ -142,9 +138,7 @@ std::vector<char> mine_to_count(const Comm& comm, const DistMesh& dist, const st
   for (const LocalEdge& e : edges) {
     const auto [a, b] = std::minmax(dist.vert2gid[e.a], dist.vert2gid[e.b]);
     keys.push_back({a, b});
-    const std::uint64_t h = (static_cast<std::uint64_t>(num(a)) * 0x9e3779b97f4a7c15ULL) ^
-                            (static_cast<std::uint64_t>(num(b)) * 0xc2b2ae3d27d4eb4fULL);
-    dest.push_back(to_id<Rank>((h >> 32) % static_cast<std::uint64_t>(comm.size())));
+    dest.push_back(meeting_rank(hash_of(std::array{a, b}), comm.size()));
   }
   const Packets<EdgeKey> sent = pack(std::span<const Rank>(dest), std::span<const EdgeKey>(keys));
   const Packets<EdgeKey> asked = exchange(comm, sent);
@@ -340,22 +334,6 @@ MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metr
   pieces.assign(e.lengths.begin(), e.lengths.end());
   if (with_metric) s.length = length_statistics(comm, pieces);
   return s;
-}
-
-double complexity(const Comm& comm, const DistMesh& dist) {
-  const TetMesh& m = dist.mesh;
-  IdVector<VertId, double> sqrt_det(m.vert_slots());
-  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    const SymTensor l = log_metric(dist.data, v);
-    sqrt_det[v] = std::exp(0.5 * (l.xx + l.yy + l.zz));
-  }
-  double c = 0;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    double d = 0;
-    for (const VertId v : m.tet2vert[t]) d += sqrt_det[v];
-    c += d / 4 * std::abs(volume6(m, t)) / 6;
-  }
-  return comm.sum(c);
 }
 
 }  // namespace skein

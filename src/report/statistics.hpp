@@ -46,9 +46,6 @@ struct MeshStatistics {
 /// Counts, extremes and percentiles do not depend on the number of ranks; sums do by rounding.
 MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metric, int threads = 1);
 
-/// Collective. The integral of sqrt(det M) over the mesh, M as for statistics().
-double complexity(const Comm& comm, const DistMesh& dist);
-
 /// A few lines for people, with small histograms.
 std::string to_text(const MeshStatistics& s);
 

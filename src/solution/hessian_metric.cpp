@@ -7,18 +7,10 @@
 #include <cmath>
 #include <vector>
 
+#include "metric/complexity.hpp"
+
 namespace skein {
 namespace {
-
-/// A quarter of the volume of this rank's tetrahedra at each vertex: complexity is the sum of weight * sqrt(det M).
-std::vector<double> vertex_weights(const TetMesh& mesh) {
-  std::vector<double> weight(mesh.vert_slots(), 0);
-  for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
-    const double quarter = volume6(mesh, t) / 24;
-    for (const VertId v : mesh.tet2vert[t]) weight[idx(v)] += quarter;
-  }
-  return weight;
-}
 
 /// Eigenvalues are clamped to [low, high] after scaling.
 struct Bounds {
@@ -97,33 +89,11 @@ std::vector<Eigen> weighted_hessian(const Comm& comm, std::span<const SymTensor>
 
 }  // namespace
 
-double complexity(const Comm& comm, const DistMesh& dist, std::span<const SymTensor> metric) {
-  double sum = 0;
-  for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) {
-    double roots = 0;
-    for (const VertId v : dist.mesh.tet2vert[t]) roots += std::sqrt(std::max(0.0, det(metric[idx(v)])));
-    sum += volume6(dist.mesh, t) / 24 * roots;
-  }
-  return comm.sum(sum);
-}
-
-void scale_to_complexity(const Comm& comm, const DistMesh& dist, double target, std::span<SymTensor> metric) {
-  const double now = complexity(comm, dist, metric);
-  agree(comm, [&] {
-    if (!(now > 0) || std::isinf(now))
-      throw Error(ExitCode::kInput, fmt::format("the metric has complexity {}; is it positive definite?", now));
-    if (!(target > 0) || std::isinf(target))
-      throw Error(ExitCode::kInput, fmt::format("complexity is {}; it must be positive", target));
-  });
-  const double factor = std::pow(target / now, 2.0 / 3);
-  for (SymTensor& m : metric) m = factor * m;
-}
-
 double hessian_metric(const Comm& comm, const DistMesh& dist, double complexity, double p, double h_min, double h_max,
                       std::span<const SymTensor> hessian, std::span<SymTensor> metric, double max_aspect) {
   check(comm, dist, complexity, p, h_min, h_max, hessian, max_aspect);
   auto eigen = weighted_hessian(comm, hessian, p, max_aspect);
-  const auto weight = vertex_weights(dist.mesh);
+  const auto weight = vertex_rule_weights(dist.mesh);
   const Bounds bounds{1 / (h_max * h_max), h_min > 0 ? 1 / (h_min * h_min) : std::numeric_limits<double>::infinity()};
   const double scale = find_scale(comm, weight, eigen, bounds, complexity);
   for (std::size_t i = 0; i < eigen.size(); ++i) {

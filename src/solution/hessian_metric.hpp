@@ -9,14 +9,6 @@
 
 namespace skein {
 
-/// Collective. The integral of sqrt(det M) over all ranks' tetrahedra: sum of |K|/4 (sum over its vertices of sqrt(det
-/// M)). A unit mesh has about 10 C tetrahedra. metric: one per local vertex.
-double complexity(const Comm& comm, const DistMesh& dist, std::span<const SymTensor> metric);
-
-/// Collective. M <- M (target/C)^(2/3). Throws Error(kInput) on all ranks when the metric or the target has no
-/// positive complexity.
-void scale_to_complexity(const Comm& comm, const DistMesh& dist, double target, std::span<SymTensor> metric);
-
 /// Collective. The metric of least interpolation error in the L^p norm (p >= 1, also infinity) at this complexity:
 /// M = s det(|H|)^(-1/(2p+3)) |H|, its sizes clamped to [h_min, h_max] and its aspect ratio (longest over shortest
 /// size) to max_aspect; s is found so that the complexity is met with the clamps (Loseille, Alauzet 2011; with p =

@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/hilbert.hpp"
+#include "base/radix_sort.hpp"
 #include "dist/rendezvous.hpp"
 
 namespace skein {
@@ -19,8 +21,7 @@ constexpr std::size_t kChunk =
 
 /// The points along the Hilbert curve: each is near the one before it.
 std::vector<std::uint32_t> space_order(std::span<const Vec3> points) {
-  Box box = kEmptyBox;
-  for (const Vec3 x : points) box = join(box, {x, x});
+  const Box box = bounding_box(points);
   std::vector<KeyIndex> keys(points.size());
   std::vector<std::uint64_t> key(points.size());
   hilbert_keys(points, box, key);

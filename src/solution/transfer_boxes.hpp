@@ -8,30 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/hilbert.hpp"
+#include "base/box.hpp"
 #include "base/vec3.hpp"
 
 namespace skein {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// The box of nothing: every join with it gives the other box.
-inline constexpr Box kEmptyBox{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-
-inline Box join(const Box& a, const Box& b) noexcept {
-  return {{std::min(a.low.x, b.low.x), std::min(a.low.y, b.low.y), std::min(a.low.z, b.low.z)},
-          {std::max(a.high.x, b.high.x), std::max(a.high.y, b.high.y), std::max(a.high.z, b.high.z)}};
-}
-inline bool contains(const Box& b, Vec3 x) noexcept {
-  return x.x >= b.low.x && x.x <= b.high.x && x.y >= b.low.y && x.y <= b.high.y && x.z >= b.low.z && x.z <= b.high.z;
-}
-/// Square of the distance of a point to the box, 0 inside.
-inline double distance2(const Box& b, Vec3 x) noexcept {
-  const double dx = std::max({b.low.x - x.x, 0.0, x.x - b.high.x});
-  const double dy = std::max({b.low.y - x.y, 0.0, x.y - b.high.y});
-  const double dz = std::max({b.low.z - x.z, 0.0, x.z - b.high.z});
-  return dx * dx + dy * dy + dz * dz;
-}
-
 /// Boxes of boxes: four consecutive ones become one of the next level. No pointers; it is fast when consecutive boxes
 /// lie near each other (along a space-filling curve), and right in any order.
 class BoxTree {

@@ -75,7 +75,7 @@ TetLocator::TetLocator(const TetMesh& mesh) : coords_(mesh.coords), tet2vert_(me
   std::vector<Box> leaves((tet2vert_.size() + kLeaf - 1) / kLeaf, kEmptyBox);
   for (const TetId t : IdRange<TetId>(tet2vert_.size())) {
     Box& box = leaves[idx(t) / kLeaf];
-    for (const VertId v : tet2vert_[t]) box = join(box, {coords_[v], coords_[v]});
+    for (const VertId v : tet2vert_[t]) box = join(box, coords_[v]);
   }
   tree_ = BoxTree(std::move(leaves));
 }
