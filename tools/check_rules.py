@@ -92,9 +92,9 @@ def check_mpi(relative, lines, code):
         match = INCLUDE.match(line)
         if match and match.group(2) == "mpi.h" and not path.startswith(MAY_INCLUDE_MPI):
             yield number, "<mpi.h> is included outside comm/"
-        name = MPI_NAME.search(stripped)
-        if name and not (name.group(0) == "MPI_Comm" and path.startswith(MAY_NAME_MPI_COMM)):
-            yield number, f"{name.group(0)} is used outside comm/"
+        for name in MPI_NAME.findall(stripped):
+            if name != "MPI_Comm" or not path.startswith(MAY_NAME_MPI_COMM):
+                yield number, f"{name} is used outside comm/"
 
 
 def check_code(relative, text):

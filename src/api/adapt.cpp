@@ -111,7 +111,7 @@ class Watch {
   [[nodiscard]] PhaseObserver observer() {
     return {[this](const std::string& phase) { return tell(phase, false, 0); },
             [this](const PhaseCost& c) { return tell(c.name, true, c.elements); },
-            [this](const std::string& line) { notes_.push_back(line); }};
+            [this](const std::string& line) { notes_.push_back(line.substr(line.starts_with("note: ") ? 6 : 0)); }};
   }
   /// Collective.
   void report(const Comm& comm, const PhaseLog& log, const MeshStatistics& s, Report& r) const {
@@ -212,7 +212,7 @@ Adapted<SlicedMesh> sliced_result(const Comm& comm, DistMesh dist, int carried, 
 /// Collective. The result in parts.
 Adapted<PartitionedMesh> parts_result(const Comm& comm, DistMesh dist, int carried, bool metric_too) {
   Adapted<PartitionedMesh> out;
-  out.mesh = to_partitioned_mesh(comm, dist);
+  out.mesh = to_partitioned_mesh(comm, std::move(dist));
   take_values(std::move(dist.data.values), carried, metric_too, out);
   return out;
 }

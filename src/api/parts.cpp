@@ -291,14 +291,9 @@ SlicedParts to_slices(const Comm& comm, PartitionedMesh in, std::vector<double> 
   return out;
 }
 
-PartitionedMesh to_partitioned_mesh(const Comm& comm, const DistMesh& dist) {
-  const TetMesh& m = dist.mesh;
+PartitionedMesh to_partitioned_mesh(const Comm& comm, DistMesh&& dist) {
+  TetMesh& m = dist.mesh;
   PartitionedMesh out;
-  out.local2global = compact_numbers(comm, dist);
-  out.coords = converted<std::array<double, 3>>(m.coords.raw());
-  out.vert_refs = m.vert_ref.raw();
-  out.tets = converted<std::array<std::int32_t, 4>>(m.tet2vert.raw());
-  out.tet_refs = m.tet_ref.raw();
   for (const FaceId f : faces_to_write(comm, dist)) {
     const auto v = m.verts(f);
     const FaceTag tag = m.tag(f);
@@ -313,6 +308,12 @@ PartitionedMesh to_partitioned_mesh(const Comm& comm, const DistMesh& dist) {
   }
   out.corners = flagged(m, kCorner);
   out.required_verts = flagged(m, kRequired);
+  out.local2global = compact_numbers(comm, dist);
+  out.vert_refs = std::move(m.vert_ref.raw());
+  out.tet_refs = std::move(m.tet_ref.raw());
+  out.coords = converted<std::array<double, 3>>(std::move(m.coords.raw()));
+  m.tet2face = {}, m.face_tag = {};
+  out.tets = converted<std::array<std::int32_t, 4>>(std::move(m.tet2vert.raw()));
   return out;
 }
 
