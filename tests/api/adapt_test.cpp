@@ -183,7 +183,7 @@ TEST(Adapt, PartsThatDoNotFitAreRefused) {
 }
 
 TEST(Adapt, NoCommunicatorNoTetrahedra) {
-  EXPECT_THROW((void)adapt_cube(MPI_COMM_NULL), Error);
+  EXPECT_THROW((void)adapt(MPI_COMM_NULL, SlicedMesh(), Target()), Error);
   const Thrown t = thrown_by(MPI_COMM_WORLD, [] { (void)adapt(MPI_COMM_WORLD, SlicedMesh(), Target()); });
   EXPECT_EQ(t.text, "the mesh has no tetrahedra");
 }
