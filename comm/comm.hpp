@@ -14,9 +14,10 @@
 
 namespace skein {
 
-/// Initialises MPI (thread level FUNNELED) and finalises it. One per program, in main(). Catch exceptions inside its
-/// scope: an exception that destroys it ends all ranks at once (exit code 5), because the others may wait for this one.
-/// A rank that fails alone must call abort_all() and not return from main(): MPI_Finalize would wait for the others.
+/// Initialises MPI (thread level FUNNELED) and finalises it. One per program, in main(). Exceptions must be caught
+/// inside its scope: an exception that leaves the scope ends all ranks at once (exit code 5), because the others may
+/// wait for this one. A rank that fails alone must call abort_all() and not return from main(): MPI_Finalize would wait
+/// for the others.
 class Environment {
  public:
   Environment(int& argc, char**& argv);
@@ -92,8 +93,8 @@ class Comm {
   /// Collective.
   void barrier() const;
 
-  /// Bytes that this rank has sent to others through this object so far: exchanges as they are, of a collective what
-  /// this rank puts in, once.
+  /// Bytes that this rank has sent to others through this object so far. A collective counts as the bytes of this
+  /// rank's contribution, once.
   [[nodiscard]] std::int64_t bytes_sent() const noexcept;
   /// Messages to single ranks that this rank has sent through this object so far; collectives are not among them.
   [[nodiscard]] std::int64_t messages_sent() const noexcept;
@@ -114,8 +115,8 @@ class Comm {
 /// failing rank. `work` must not call a collective.
 void agree(const Comm& comm, const std::function<void()>& work);
 
-/// What agree() throws: an Error that all ranks have. Who catches it may go on with collectives and end normally;
-/// any other exception may be of one rank alone, and only abort_all() ends the run without a hang.
+/// What agree() throws: an Error that all ranks have. After catching it, a program may call collectives and end
+/// normally. Any other exception may be on one rank alone; then only abort_all() ends the run without a hang.
 class AgreedError : public Error {
  public:
   using Error::Error;
@@ -129,8 +130,9 @@ double wall_time() noexcept;
 double cpu_time() noexcept;
 /// Largest resident memory of this process so far, in bytes.
 std::int64_t peak_memory() noexcept;
-/// Gives freed memory that the allocator keeps back to the system. Arrays of a few megabytes that come and go leave
-/// holes that no later array fits into; costs about a millisecond, so for the end of a phase.
+/// Returns memory that is free but still kept by the allocator to the system. Arrays of a few megabytes that are
+/// allocated and freed leave gaps that no later array fits into. Takes about a millisecond, so call it at the end of a
+/// phase.
 void release_freed_memory() noexcept;
 
 }  // namespace skein

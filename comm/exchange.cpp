@@ -29,7 +29,7 @@ bool take_announcement(const Comm::Impl& impl, int tag, std::vector<Announced>& 
 
 }  // namespace
 
-// Non-blocking consensus (Hoefler, Siebert, Lumsdaine 2010): a synchronous send completes when its receiver has taken
+// Non-blocking consensus [HoeflerSiebertLumsdaine2010]: a synchronous send completes when its receiver has taken
 // it; who has seen all his own complete enters a non-blocking barrier and goes on receiving; the barrier completes when
 // everything has arrived everywhere. No array of length P, and no MPI topology (creating one can hang in Open MPI 4.1).
 // A rank may be one announcement ahead of another, never two, so two tags in turn keep them apart.

@@ -1,4 +1,4 @@
-// Sparse exchange: every rank sends blocks of items to a few others and gets theirs, sorted by source rank.
+// Sparse exchange: every rank sends blocks of items to a few other ranks and receives blocks, sorted by source rank.
 #pragma once
 #include <algorithm>
 #include <functional>
@@ -27,7 +27,7 @@ struct Packets {
 template <Sendable T>
 Packets<T> pack(std::span<const Rank> dest, std::span<const T> items);
 
-/// The same of items that are not needed any more: not copied where all go to one rank.
+/// The same for items that the caller no longer needs: they are not copied when all go to one rank.
 template <Sendable T>
 Packets<T> pack(std::span<const Rank> dest, std::vector<T>&& items);
 
@@ -35,7 +35,7 @@ Packets<T> pack(std::span<const Rank> dest, std::vector<T>&& items);
 template <Sendable T>
 Packets<T> exchange(const Comm& comm, const Packets<T>& send);
 
-/// Collective. The same of packets that are not needed any more: not copied on a single rank, freed early on many.
+/// Collective. The same for packets that the caller no longer needs: not copied on a single rank, freed early on many.
 template <Sendable T>
 Packets<T> exchange(const Comm& comm, Packets<T>&& send);
 

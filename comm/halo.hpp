@@ -1,4 +1,4 @@
-// Halo: values at the vertices that several ranks share, brought to the same bits on every copy.
+// Halo: exchange of values at shared vertices, after which all copies have the same bits.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -9,8 +9,9 @@
 
 namespace skein {
 
-/// Which vertices this rank shares with whom. vert[i] ascending by global id, gid[i] its global id; the other ranks
-/// that have a copy are rank[offset[i] .. offset[i+1]), ascending, without this rank.
+/// The shared vertices of this rank, and the ranks that share them. Entry i is vertex vert[i] with global id gid[i];
+/// entries are ascending by global id. The other ranks that have a copy of it are rank[offset[i] .. offset[i+1]),
+/// ascending.
 struct Sharing {
   std::vector<VertId> vert;
   std::vector<GlobalId> gid;

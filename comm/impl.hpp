@@ -14,7 +14,7 @@ struct Comm::Impl {
   mutable std::int64_t messages_sent = 0;
   mutable std::int64_t collective_calls = 0;
   mutable double communication_cpu = 0;
-  mutable unsigned announcements = 0;  ///< so that two of them in a row use different tags
+  mutable unsigned announcements = 0;  ///< number of calls of announce(): consecutive ones use different tags
 };
 
 namespace detail {
@@ -29,7 +29,8 @@ inline constexpr std::size_t kChunk = std::size_t{1} << 30;
 
 enum Tag : int { kTagReduce = 1, kTagGather = 2, kTagBlock = 3, kTagAnnounce = 4 /* and 5 */ };
 
-/// While it lives, CPU time counts as communication: MPI waits by asking again and again, which would look like work.
+/// CPU time during the life of this object counts as communication. MPI polls while it waits, which would look like
+/// work otherwise.
 class CpuMeter {
  public:
   explicit CpuMeter(const Comm& comm) noexcept : impl_(comm.impl()), begin_(cpu_time()) {}

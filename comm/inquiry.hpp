@@ -1,4 +1,4 @@
-// Questions to other ranks and their answers.
+// Questions to other ranks, and their answers: two sparse exchanges.
 #pragma once
 #include <cstdint>
 #include <span>

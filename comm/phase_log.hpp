@@ -1,4 +1,4 @@
-// PhaseLog: what a run is doing (one progress line per phase) and what each phase cost (for the report).
+// PhaseLog: progress lines, one per phase, and the cost of each phase for the report.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -16,8 +16,8 @@ struct PhaseCost {
   double seconds_min = 0, seconds_mean = 0, seconds_max = 0;  ///< wall time between start and finish on each rank
   double busy_min = 0, busy_mean = 0, busy_max = 0;           ///< of this, useful local work (see PhaseLog::busy)
   double balance = 100;                                       ///< 100 * mean / max of busy, per cent
-  /// CPU seconds of each rank outside communication (where it waits, too). On shared cores they tell what the ranks
-  /// did; wall times do not.
+  /// CPU seconds of each rank outside communication and waiting. On cores that several ranks share, these measure the
+  /// work of a rank; wall times do not.
   double cpu_min = 0, cpu_mean = 0, cpu_max = 0;
   double comm_cpu_min = 0, comm_cpu_mean = 0, comm_cpu_max = 0;  ///< CPU seconds inside communication
   std::int64_t elements = 0, elements_max = 0;                   ///< tetrahedra at its end: all, of the largest part

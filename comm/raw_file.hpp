@@ -11,7 +11,7 @@
 namespace skein::detail {
 
 /// Nothing here is collective, so that an exception on one rank can always close its handle. Failures are Error(kInput)
-/// or Error(kOutput), by what the file was opened for, and begin with `name`.
+/// for files opened for reading, Error(kOutput) for files opened for writing; their text begins with `name`.
 class RawFile {
  public:
   enum class Mode { kRead, kWrite };
@@ -20,10 +20,10 @@ class RawFile {
   RawFile(const RawFile&) = delete;
   RawFile& operator=(const RawFile&) = delete;
 
-  /// How many bytes were there from `at`; fewer than asked only at the end of the file.
+  /// Reads from byte `at` into `out`. Returns the number of bytes read; fewer than wanted only at the end of the file.
   virtual std::size_t read(std::int64_t at, std::span<std::byte> out) = 0;
   virtual void write(std::int64_t at, std::span<const std::byte> data) = 0;
-  /// Brings what was written to the device, and closes the file.
+  /// Flushes all written data to the device, and closes the file.
   virtual void finish() = 0;
 
  protected:

@@ -1,4 +1,4 @@
-// Graph: weighted nodes and edges in rows, on one rank or over all ranks, and what it is coarsened to.
+// Graph: weighted nodes and edges, stored in rows, on one rank or over all ranks; and coarsening.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -61,33 +61,34 @@ struct DistGraph {
   Ghosts ghosts;
 };
 
-/// Pairs of own node and the remote node behind it, as they come, to ghosts.
+/// Ghosts from pairs of an own node and the remote node at the other end of its edge, in any order.
 Ghosts make_ghosts(const std::vector<std::pair<NodeId, RemoteNode>>& links);
 
 /// Collective. Node weights from one finite number >= 0 per node, scaled to integers by the same power of two on all
 /// ranks.
 void set_weights(const Comm& comm, std::span<const double> work, Graph& g);
 
-/// The graph of nodes that are sets of another's nodes. `coarse` numbers the sets: one entry per own node and ghost,
-/// own sets first (0 .. nodes-1), then sets of ghosts. Edges inside a set vanish, parallel ones add up. The same for
-/// any number of threads.
+/// The coarse graph whose nodes are sets of nodes of this graph. `coarse` is the set of each own node and ghost; sets
+/// of own nodes come first (0 .. nodes-1), then sets of ghosts. Edges inside a set vanish; weights of parallel edges
+/// are added. The same for any number of threads.
 Graph contract(const Graph& fine, const IdVector<NodeId, NodeId>& coarse, std::size_t nodes, std::size_t ghosts,
                int threads = 1);
 
-/// Pairs of nodes with heavy edges and little weight (rating w^2 / (weight_u * weight_v)); no set heavier than
-/// max_weight. Result: the set of each own node; sets are in the order of their first node. Nodes choose in
-/// their order, or with a seed other than 0 in a random one. Each thread pairs the nodes of a share of its own; what is
-/// left single at the borders of shares is paired afterwards.
+/// A matching: pairs of nodes with a heavy edge and little weight (largest w^2 / (weight_u * weight_v)); no pair
+/// heavier than max_weight. Result: the set (a pair or a single node) of each own node; sets are in the order of their
+/// first node. Nodes choose their mates in their order, or in a random order if seed is not 0. Each thread pairs a
+/// share of the nodes; nodes that stay single at the borders of the shares are paired afterwards.
 struct Matching {
   IdVector<NodeId, NodeId> node2set;
   std::size_t sets = 0;
 };
 Matching match_heavy_edges(const Graph& graph, std::int64_t max_weight, std::uint64_t seed = 0, int threads = 1);
 
-/// The own nodes with `part[v] == which` and the edges between them; `inside` gets their numbers.
+/// The subgraph of the own nodes with `part[v] == which`; their numbers in this graph go to `inside`.
 Graph subgraph(const Graph& graph, const IdVector<NodeId, PartId>& part, PartId which, std::vector<NodeId>& inside);
 
-/// Weight of the edges between different parts, those to ghosts included, each row counted (inner edges twice).
+/// Weight of the edges between different parts, edges to ghosts included. All rows are added up, so an edge between two
+/// own nodes counts twice.
 std::int64_t cut_rows(const Graph& graph, const IdVector<NodeId, PartId>& part);
 
 }  // namespace skein

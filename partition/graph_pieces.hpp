@@ -1,4 +1,4 @@
-// Connected parts: pieces of a part that have lost touch with the rest of it go to a neighbour.
+// Connected parts: pieces that are not connected with the rest of their part go to a neighbouring part.
 #pragma once
 #include <cstdint>
 
@@ -7,9 +7,9 @@
 
 namespace skein {
 
-/// Collective. Of each part over all ranks, the heaviest connected piece stays; every other one no heavier than
-/// `max_piece` goes to the neighbouring part with the most contact that stays within `capacity`; a piece for which no
-/// neighbour has room stays. Returns how many of those there are; a body of its own, without a neighbour, is none.
+/// Collective. The heaviest connected piece of each part stays. Every other piece that is not heavier than `max_piece`
+/// goes to the neighbouring part with the largest weight of common edges that stays within `capacity`. It stays if no
+/// neighbour has room. Returns the number of pieces that had no room. A piece without any neighbour is not counted.
 /// `part`: one per own node. @pre part in [0, parts).
 std::size_t join_pieces(const Comm& comm, const DistGraph& graph, int parts, std::int64_t capacity,
                         std::int64_t max_piece, IdVector<NodeId, PartId>& part);

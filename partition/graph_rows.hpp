@@ -12,9 +12,8 @@
 
 namespace skein {
 
-/// Fills g.first and g.edge with n rows; append(begin, end, edge, ends) appends the rows [begin, end) to `edge` and
-/// puts what edge.size() is after each of them into `ends`. Every thread makes a piece of the rows, and the pieces are
-/// joined.
+/// Fills g.first and g.edge with n rows. append(begin, end, edge, ends) appends the rows [begin, end) to `edge`, and
+/// the value of edge.size() after each row to `ends`. Every thread makes consecutive rows; then they are joined.
 template <class Append>
 void make_rows(Graph& g, std::size_t n, std::size_t expected_edges, int threads, const Append& append) {
   g.first.resize(n + 1);

@@ -13,9 +13,9 @@ namespace skein {
 /// Collective. The box round all ranks' points; a rank without points is fine.
 Box global_box(const Comm& comm, std::span<const Vec3> points);
 
-/// Collective. The part of each key when all ranks' keys, in ascending order, are cut into `parts` pieces of equal
-/// work: weighted quantiles by refining histograms on the keys, 4 bits at a time; no rank sees another's keys. Equal
-/// keys are never separated; parts may be empty. Result: one part in [0, parts) for each key.
+/// Collective. All ranks' keys, in ascending order, are cut into `parts` intervals of equal work. Result: the part in
+/// [0, parts) of each key. The bounds are weighted quantiles, found by histograms of the keys that are refined by 4
+/// bits at a time; keys are not sent. Equal keys get the same part; parts may be empty.
 /// @pre keys.size() == work.size(); work >= 0, finite; keys < 2^63.
 std::vector<PartId> cut_keys(const Comm& comm, std::span<const std::uint64_t> keys, std::span<const double> work,
                              int parts);

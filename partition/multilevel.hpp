@@ -6,17 +6,19 @@
 namespace skein {
 
 struct MultilevelOptions {
-  double imbalance = 0.03;  ///< a part may have this much more than the mean work, or the heaviest node more
-  int threads = 1;          ///< in each rank: graphs are made and made coarser, and first cuts tried, by as many
+  double imbalance = 0.03;  ///< a part's work may exceed the mean by this share, or by the heaviest node
+  int threads = 1;          ///< in each rank, for making and coarsening graphs and for the first cuts
 };
 
-/// Collective. The part, in [0, parts), of each of this rank's nodes. Every rank makes its graph coarser by pairs
-/// inside the rank; the coarse graphs together, of bounded size, are on every rank, which cuts them with a seed of its
-/// own; the best cut of all ranks is carried back to the nodes and improved on each level, in turns where ranks meet.
-/// Pieces that are cut off from the rest of their part go to a neighbour, which passes on what it has too much by that,
-/// until all parts are connected or ten attempts have found nothing better. Parts are empty when there are more of them
-/// than nodes. Deterministic for the same distribution and threads. (Heavy-edge coarsening and k-way refinement:
-/// G. Karypis, V. Kumar, SIAM J. Sci. Comput. 20, 1998; local search with rollback: C. Fiduccia, R. Mattheyses, 1982.)
+/// Collective. The part, in [0, parts), of each of this rank's nodes.
+///   1. Every rank coarsens its graph by matching nodes inside the rank [KarypisKumar1998].
+///   2. All ranks get the coarse graphs of all ranks, which have a bounded size. Each cuts them with a seed of its own,
+///      and the best cut is taken.
+///   3. The cut is carried back level by level and improved on each by local search [FiducciaMattheyses1982]; where
+///      ranks meet, they take turns.
+///   4. A piece that is not connected with the rest of its part goes to a neighbouring part, which passes its surplus
+///      on, until all parts are connected or ten attempts have found nothing better.
+/// Some parts are empty when there are more parts than nodes. Deterministic for the same distribution and threads.
 /// @pre node weights as set_weights() gives them; parts >= 1.
 IdVector<NodeId, PartId> multilevel_partition(const Comm& comm, DistGraph graph, int parts,
                                               const MultilevelOptions& options = {});

@@ -159,7 +159,7 @@ void Refiner::update_neighbours(NodeId v) {
 namespace {
 
 /// The moves of a search since its best state. If they were a random walk of steps like those so far, is it unlikely to
-/// come back? (V. Osipov, P. Sanders, n-level graph partitioning, ESA 2010, section 5.)
+/// come back? [OsipovSanders2010, section 5]
 class Walk {
  public:
   void restart() noexcept { *this = {}; }

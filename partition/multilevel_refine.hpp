@@ -1,4 +1,4 @@
-// Better parts by moving single nodes: Fiduccia-Mattheyses local search between all parts at once.
+// Better parts by moving single nodes: local search between all parts at once [FiducciaMattheyses1982].
 #pragma once
 #include <cstdint>
 #include <span>
@@ -8,8 +8,9 @@
 
 namespace skein {
 
-/// Nodes ordered by gain: a list per gain. Of equal ones the last that came is the first to go, which keeps a search in
-/// one place, or the first, so that what grows grows in layers. Gains beyond +-kReach share the outermost lists.
+/// A queue of nodes ordered by gain: a list per gain. Nodes of equal gain leave last-in first-out, which keeps a search
+/// in one place, or first-in first-out, so that a growing part grows in layers. Gains beyond +-kReach share the
+/// outermost lists.
 class GainQueue {
  public:
   enum class Order { kLastFirst, kFirstFirst };
@@ -40,17 +41,18 @@ class GainQueue {
 /// Moves own nodes of a graph between parts; ghosts and fixed nodes stay. Deterministic.
 class Refiner {
  public:
-  /// `part`: one per own node and ghost; changed in place. `weight`: of each part. `capacity`: a part may get heavier
-  /// only up to it. `fixed`: null, or nonzero for nodes that stay. References must outlive this object. The boundary is
-  /// looked for by `threads`, which makes no difference to the result.
+  /// `part`: one per own node and ghost; changed in place. `weight`: of each part. `capacity`: the largest weight that
+  /// a part may reach. `fixed`: null, or nonzero for nodes that stay. References must outlive this object. `threads`
+  /// threads look for the boundary; the result does not depend on them.
   Refiner(const Graph& graph, IdVector<NodeId, PartId>& part, std::vector<std::int64_t>& weight,
           std::span<const std::int64_t> capacity, const IdVector<NodeId, char>* fixed = nullptr, int threads = 1);
 
   /// Takes nodes from parts beyond their capacity to neighbours that have room, cheapest first.
   void balance();
-  /// One search that starts at the whole boundary: moves the best node, each one at most once, also to its loss, until
-  /// `patience` moves in a row have gained nothing, or fewer make it unlikely that more will; then back to the best
-  /// state. Returns how much the cut fell.
+  /// One search that starts with all nodes of the boundary. It moves the node of the largest gain, also when the gain
+  /// is negative, each node at most once. It stops when `patience` moves in a row have not improved the cut, or when an
+  /// improvement has become unlikely [OsipovSanders2010]; then it returns to the best state. Returns the decrease of
+  /// the cut.
   std::int64_t global_pass(std::size_t patience);
   /// Many small such searches, each from a few neighbouring nodes of the boundary.
   std::int64_t local_pass(std::size_t seeds, std::size_t patience);
@@ -63,7 +65,8 @@ class Refiner {
   /// Bits of state_.
   enum : std::uint8_t { kLocked = 1, kFixed = 2, kMaybeBoundary = 4 };
 
-  /// The part to which v would best go; without room, only to lighter ones if `any`. kNoPart: nowhere.
+  /// The best part for v to move to, among those with room. With `any` also parts without room that are lighter than
+  /// v's own. kNoPart: none.
   Target best_target(NodeId v, bool any = false) noexcept;
   [[nodiscard]] bool on_boundary(NodeId v) const noexcept;
   /// The nodes that a pass may start from, in their order; unlocks all nodes.

@@ -23,7 +23,7 @@
 #include "mesh/check.hpp"
 #include "mesh/predicates.hpp"
 #include "tests/kernel/metrics.hpp"
-#include "tests/mesh/meshes.hpp"
+#include "tests/support/tet_meshes.hpp"
 
 namespace skein::bench {
 namespace {

@@ -9,13 +9,13 @@
 
 namespace skein {
 
-/// A piece of a rank's mesh, as a mesh of its own. Its vertices that the rest may have, too, are kFrozen.
+/// A piece of a rank's mesh, as a mesh of its own. Vertices that the rest of the mesh may have, too, are kFrozen.
 struct Band {
   TetMesh mesh;
   MetricField metric;
   std::vector<TetId> tets;            ///< the rank's numbers of its tetrahedra, ascending
   IdVector<VertId, VertId> to_rank;   ///< the rank's number of each vertex as it was cut
-  std::vector<FaceId> seam;           ///< the rank's faces that look at the band from outside
+  std::vector<FaceId> seam;           ///< faces of the rank's other tetrahedra that are neighbours of the band
   std::vector<FeatureEdge> features;  ///< the rank's feature edges that are edges of the band
 };
 

@@ -1,4 +1,4 @@
-// Blocks: a rank's mesh cut into one part per thread, and put together again.
+// Blocks: a rank's mesh cut into one part per thread, and joined again.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -19,10 +19,10 @@ std::vector<std::int32_t> face_costs(const TetMesh& mesh, const MetricField& met
 /// the multilevel partitioner. Needs MPI, but no other rank. @pre no free slots. The mesh stays as it is.
 BlockLabels cut_blocks(TetMesh& mesh, const MetricField& metric, int blocks);
 
-/// Vertices with tetrahedra of several blocks: true.
+/// True for each vertex that has tetrahedra of several blocks.
 IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);
 
-/// One part with what leads back to the mesh it was cut from.
+/// A block: a part, and the numbers of its vertices in the mesh that it was cut from.
 struct Block {
   Part part;
   /// Per vertex of the part as it was cut: its number in the whole mesh; for a new one on the interface between blocks
@@ -33,8 +33,8 @@ struct Block {
   std::vector<VertId>
       frozen;  ///< the part's vertices that were frozen before the cut, ascending (shared with other ranks)
   std::vector<VertId> frozen_of;  ///< ... and their number in the whole mesh
-  /// From seal_block on, where tetrahedra at the end belong, so that there are no free ones; Part's lists of these are
-  /// ascending.
+  /// From seal_block on: where the last tetrahedra must move to fill the free slots. Part's lists of free slots are
+  /// then ascending.
   Moved<TetId> tets;
 };
 
@@ -42,15 +42,16 @@ struct Block {
 Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabels& label,
                 const IdVector<VertId, char>& between, int b);
 
-/// Follows a renumbering of the part's vertices, old -> new, in which what other blocks have, too, stays. Thread-safe.
+/// Applies a renumbering of the part's vertices, old -> new. Vertices that other blocks have, too, must not be dropped.
+/// Thread-safe.
 void follow(Block& block, const IdVector<VertId, VertId>& old2new);
 
 /// Refines the interface to other blocks where its edges are too long (refine_interface). False when that fails; the
 /// block is then of no use. Thread-safe.
 bool refine_block_interface(Block& block, double times = 1);
 
-/// Follows a renumbering of the part's vertices (adapt_part) and finds the free slots, which it takes out where they
-/// are many. Thread-safe.
+/// Applies the renumbering of the part's vertices by adapt_part, and finds the free slots. Where these are many it
+/// removes them. Thread-safe.
 void seal_block(Block& block, const IdVector<VertId, VertId>& old2new);
 
 /// What merge_blocks gives: the whole mesh again.
@@ -60,9 +61,9 @@ struct Merged {
   std::vector<VertId> between;       ///< the vertices that several blocks had, ascending
   IdVector<VertId, VertId> old2new;  ///< for vertices of the mesh before the cut that were frozen; kNoVert for others
 };
-/// Joins the blocks (which it empties) with as many threads: common vertices become one again, faces between blocks are
-/// matched. The first block stays where it is, and the others are put into its free slots and behind it; so it is well
-/// to reserve room for all there. @pre sealed; the interfaces are as they were cut.
+/// Joins the blocks, with as many threads as there are blocks, and empties them. Copies of a vertex become one, and
+/// faces between blocks become neighbours. The first block stays in its arrays; the others fill its free slots and then
+/// follow it. So reserve room for all blocks in the first one. @pre sealed; the interfaces are as they were cut.
 /// `old_verts`: number of vertices before the cut.
 Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts);
 

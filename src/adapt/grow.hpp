@@ -7,15 +7,15 @@
 
 namespace skein {
 
-/// Into how many parts a mesh is worth cutting, at most one per worker (a rank, or a thread of one).
+/// The largest useful number of parts, at most one per worker (a rank, or a thread of a rank).
 struct CutLimits {
-  int wanted = 1;  ///< that the final mesh can feed: a smaller part is mostly interface
-  int able = 1;    ///< that the mesh as it is can be cut into without the interfaces being most of it
+  int wanted = 1;  ///< for the final mesh: with more parts, these would be mostly interface
+  int able = 1;    ///< for the mesh as it is now
 };
 
-/// Collective. From what each local tetrahedron will become (predicted_elements). What counts is not the number of
-/// tetrahedra but how many of them share the growth, (sum e)^2 / sum e^2: when few of them become nearly all of the
-/// final mesh, only these can be shared out. @pre workers >= 1.
+/// Collective. `elements`: how many tetrahedra will be in the place of each local one (predicted_elements). For the
+/// mesh as it is, tetrahedra are counted by how they share the growth, (sum e)^2 / sum e^2: when a few of them become
+/// nearly all of the final mesh, only these few can be distributed. @pre workers >= 1.
 CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int workers);
 
 /// Collective. Replaces the log-metric in dist.data by a coarser one where more than `growth` elements per tetrahedron

@@ -1,4 +1,4 @@
-// Adapting one rank's mesh with its threads; the interface to other ranks stays.
+// Adapting one rank's mesh with its threads; the interface to other ranks stays as it is.
 #pragma once
 #include <cstddef>
 

@@ -10,6 +10,7 @@
 #include "app/files.hpp"
 #include "app/metric_input.hpp"
 #include "app/run_report.hpp"
+#include "app/threads.hpp"
 #include "app/verbs.hpp"
 #include "io/mesh_io.hpp"
 
@@ -97,6 +98,7 @@ AdaptationOptions to_adaptation(const Options& o) {
 ExitCode run_adapt(const Comm& comm, Options& o) {
   o.metric.numbers.gradation = o.gradation.value_or(usual_gradation(o.metric.policy().source));
   require_sense(comm, o);
+  o.run.threads = settle_threads(comm, o.run.threads);
   RunRecord record(comm, o.run);
   record.input = o.input;
   o.adapt.threads = o.run.threads;

@@ -5,6 +5,7 @@
 
 #include "app/files.hpp"
 #include "app/run_report.hpp"
+#include "app/threads.hpp"
 #include "app/verbs.hpp"
 #include "generate/sources_file.hpp"
 #include "io/mesh_io.hpp"
@@ -31,6 +32,7 @@ Json to_json(const Options& o) {
 ExitCode run_generate(const Comm& comm, Options& o) {
   require_input(comm, o.input, kMeshInputs);
   require_outputs(comm, o.run);
+  o.run.threads = settle_threads(comm, o.run.threads);
   o.generate.adapt.threads = o.run.threads;
   RunRecord record(comm, o.run);
   record.input = o.input;

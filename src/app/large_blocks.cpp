@@ -2,10 +2,10 @@
 //
 // A mesh is walked through by ids that lie far from each other, so with pages of 4 kB much of the time goes into
 // finding pages, and each page costs again when it is first touched. And an allocator that keeps what is freed in its
-// heap lets the process grow by what lies between (docs/decisions.md, 36). What is smaller goes to malloc.
+// heap lets the process grow by what lies between (docs/adr/0018-memory-blocks.md). What is smaller goes to malloc.
 #include "app/large_blocks.hpp"
 
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__linux__) && !defined(SKEIN_SANITIZED)
 #include <malloc.h>
 #include <sys/mman.h>
 

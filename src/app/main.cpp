@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "app/large_blocks.hpp"
+#include "app/threads.hpp"
 #include "app/verbs.hpp"
 
 namespace skein::app {
@@ -101,6 +102,7 @@ ExitCode guarded(const Comm& comm, const Comm& farewell, int argc, char** argv) 
 }  // namespace skein::app
 
 int main(int argc, char** argv) {
+  skein::app::sleep_when_idle(argv);
   skein::app::use_large_blocks();
   skein::Environment environment(argc, argv);
   const skein::Comm comm = skein::Comm::world();

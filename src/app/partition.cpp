@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "app/files.hpp"
+#include "app/threads.hpp"
 #include "app/verbs.hpp"
 #include "base/text.hpp"
 #include "dist/distribute.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 struct Options {
   std::string input, output;
-  int parts = 0, threads = 1;
+  int parts = 0, threads = kThreadsNotGiven;
   std::string method = "multilevel";
   bool json = false;
 };
@@ -29,10 +30,11 @@ ExitCode run_partition(const Comm& comm, const Options& o) {
   const MeshSlice mesh = read_mesh(comm, o.input);
   DistMesh dist = distribute(comm, mesh);
 
+  const int threads = settle_threads(comm, o.threads);
   const double begin = wall_time();
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
   const auto method = o.method == "hilbert" ? PartitionMethod::kHilbert : PartitionMethod::kMultilevel;
-  const IdVector<TetId, PartId> part = partition(comm, dist, work, o.parts, method, o.threads);
+  const IdVector<TetId, PartId> part = partition(comm, dist, work, o.parts, method, threads);
   const double seconds = comm.max(wall_time() - begin);
   const PartitionStats s = partition_stats(comm, dist, part, work, o.parts);
 
@@ -62,7 +64,7 @@ void add_partition(CLI::App& cli, Run& run) {
   verb->add_option("--method", o->method, "multilevel: short interfaces; hilbert: pieces of a curve, quick")
       ->check(CLI::IsMember({"multilevel", "hilbert"}))
       ->capture_default_str();
-  verb->add_option("--threads", o->threads, "threads in each process")->check(CLI::Range(1, 1024));
+  add_threads_option(*verb, o->threads);
   verb->add_option("-o,--output", o->output, "the mesh with the part, from 0, as reference of the tetrahedra");
   verb->add_flag("--json", o->json, "print JSON");
   verb->footer("Example: skein partition wing.meshb --parts 16 -o parts.vtu");

@@ -2,11 +2,9 @@
 #include "app/run_report.hpp"
 
 #include <fmt/core.h>
-#include <sched.h>
 #include <unistd.h>
 
 #include <cstdlib>
-#include <thread>
 
 #include "app/files.hpp"
 #include "app/large_blocks.hpp"
@@ -21,21 +19,6 @@ namespace skein::app {
 namespace {
 
 const char* kLaunchers[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "SLURM_PROCID"};
-
-/// Ranks on this machine, as the launcher tells; otherwise all.
-int local_ranks(const Comm& comm) {
-  for (const char* name : {"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"}) {
-    const char* value = std::getenv(name);
-    if (value != nullptr && std::atoi(value) > 0) return std::atoi(value);
-  }
-  return comm.size();
-}
-
-/// Cores that this process may run on; 0 if unknown.
-int own_cores() {
-  cpu_set_t cores;
-  return sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 0;
-}
 
 /// The metric itself, from its logarithm.
 FieldSlice metric_slices(const Comm& comm, const DistMesh& dist) {
@@ -54,7 +37,7 @@ void add_run_options(CLI::App& verb, RunOptions& o) {
   verb.add_option("-o,--output", o.output, "mesh to write (.mesh, .meshb, .vtu, .pvtu)")->required();
   verb.add_option("--report", o.report, "write a report of the run (JSON)");
   verb.add_option("--metric-out", o.metric_out, "write the metric at the vertices of the new mesh (.sol, .solb)");
-  verb.add_option("--threads", o.threads, "threads in each process")->check(CLI::Range(1, 1024));
+  add_threads_option(verb, o.threads);
   verb.add_flag("--quiet", o.quiet, "no progress");
 }
 
@@ -70,21 +53,6 @@ PhaseLog::Output progress_output(bool quiet) {
     if (std::getenv(name) != nullptr) return PhaseLog::Output::kPlain;
   }
   return isatty(STDOUT_FILENO) != 0 ? PhaseLog::Output::kTerminal : PhaseLog::Output::kPlain;
-}
-
-void note_threads(const Comm& comm, int threads, PhaseLog& log) {
-  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-  const int wanted = local_ranks(comm) * threads;
-  if (cores > 0 && wanted > cores) {
-    log.note(fmt::format("note: {} processes of {} threads share {} cores of this machine", local_ranks(comm), threads,
-                         cores));
-    return;
-  }
-  const int bound = own_cores();
-  if (bound > 0 && bound < threads) {
-    log.note(fmt::format("note: {} threads share {} core{}, to which the process is bound; see mpirun --bind-to none",
-                         threads, bound, bound == 1 ? "" : "s"));
-  }
 }
 
 RunRecord::RunRecord(const Comm& comm, const RunOptions& options)

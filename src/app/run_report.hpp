@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <string>
 
+#include "app/threads.hpp"
 #include "comm/comm.hpp"
 #include "comm/phase_log.hpp"
 #include "dist/dist_mesh.hpp"
@@ -14,7 +15,7 @@ namespace skein::app {
 /// Options of the verbs that make a mesh.
 struct RunOptions {
   std::string output, report, metric_out;
-  int threads = 1;
+  int threads = kThreadsNotGiven;  ///< see settle_threads
   bool quiet = false;
 };
 void add_run_options(CLI::App& verb, RunOptions& o);
@@ -25,9 +26,6 @@ void require_outputs(const Comm& comm, const RunOptions& o);
 /// How progress is to be shown on standard output: lines that overwrite themselves on a terminal (but not under mpirun,
 /// which collects the output of the ranks), plain lines elsewhere.
 PhaseLog::Output progress_output(bool quiet);
-
-/// Rank 0 says when there are more threads than cores, on the machine or of those it is bound to. Collective.
-void note_threads(const Comm& comm, int threads, PhaseLog& log);
 
 /// Fields on the new mesh: data numbers 6, 7, ... of the vertices.
 struct FieldsOut {

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstddef>
 
+#include "base/loops.hpp"
+
 namespace skein {
 namespace {
 
@@ -44,14 +46,14 @@ void transpose(Lanes& x, Lanes& y, Lanes& z) noexcept {
   };
   for (std::uint32_t q = 1u << (kBits - 1); q > 1; q >>= 1) {
     const std::uint32_t p = q - 1;
-#pragma GCC ivdep
+    SKEIN_INDEPENDENT_LOOP
     for (std::size_t l = 0; l < kLanes; ++l) {
       x[l] ^= (x[l] & q) != 0 ? p : 0;
       turn(x[l], y[l], q, p);
       turn(x[l], z[l], q, p);
     }
   }
-#pragma GCC ivdep
+  SKEIN_INDEPENDENT_LOOP
   for (std::size_t l = 0; l < kLanes; ++l) {
     y[l] ^= x[l];
     z[l] ^= y[l];

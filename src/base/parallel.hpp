@@ -1,17 +1,20 @@
 // Work for a few threads at once.
 #pragma once
+#include <omp.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <exception>
-#include <thread>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 namespace skein {
 
-/// Calls work(w) for w = 0 .. threads-1, each in a thread of its own; the first exception (by w) is thrown again when
-/// all have ended. Threads of the standard library, because ThreadSanitizer understands them.
+/// Calls work(w) once for each w = 0 .. threads-1 in an OpenMP parallel region; the first exception (by w) is thrown
+/// again when all have ended. OpenMP may give fewer threads than asked (OMP_DYNAMIC, OMP_THREAD_LIMIT, a region inside
+/// another): each of them then takes several w, so the result is the same. The calling thread does w = 0.
+/// @pre work(w) does not wait for another w.
 template <class Work>
 void in_parallel(int threads, Work&& work) {
   std::vector<std::exception_ptr> failed(static_cast<std::size_t>(threads));
@@ -22,10 +25,14 @@ void in_parallel(int threads, Work&& work) {
       failed[w] = std::current_exception();
     }
   };
-  {
-    std::vector<std::jthread> others;
-    for (int w = 1; w < threads; ++w) others.emplace_back(guarded, w);
+  if (threads == 1) {
     guarded(0);
+  } else {
+#pragma omp parallel num_threads(threads)
+    {
+      const int there = omp_get_num_threads();
+      for (int w = omp_get_thread_num(); w < threads; w += there) guarded(w);
+    }
   }
   for (const auto& e : failed) {
     if (e) std::rethrow_exception(e);

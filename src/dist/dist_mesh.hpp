@@ -24,8 +24,8 @@ struct VertexData {
 
 /// One rank's part of a distributed mesh. Compact: no free slots. Each tetrahedron is on one rank; a vertex is on
 /// every rank that has a tetrahedron at it. A local face without a neighbour and without kHullFace is on the
-/// interface. patch_ref is the same on every rank. Feature edges are on every rank that has a tetrahedron at both...
-/// at least on every rank that has a tetrahedron with this edge.
+/// interface. patch_ref is the same on every rank. A feature edge is on every rank that has a tetrahedron with this
+/// edge; other ranks with both of its vertices may have it, too.
 struct DistMesh {
   TetMesh mesh;
   VertexData data;

@@ -15,7 +15,7 @@ struct DistributeOptions {
       false;  ///< the first 6 field numbers are a log-metric: balance predicted work, not tetrahedra
 };
 
-/// What was found on the way; the same on every rank.
+/// What was found in the file; the same on every rank.
 struct DistributeReport {
   std::int64_t untagged_hull_faces = 0;    ///< hull faces that no triangle of the file covers
   std::int64_t untagged_region_faces = 0;  ///< faces between tetrahedra of different reference without a triangle

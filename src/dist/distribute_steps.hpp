@@ -9,7 +9,7 @@
 
 namespace skein::distributing {
 
-/// Where the items of a list lie, when the ranks have consecutive blocks of it.
+/// The owner of each item of a list of which the ranks have consecutive blocks.
 class Blocks {
  public:
   Blocks() = default;
@@ -21,7 +21,7 @@ class Blocks {
   std::vector<std::int64_t> first_;  ///< by rank, ascending
 };
 
-/// The file's slices and what their owners have been told about them.
+/// The file's slices, and what other ranks have told this one about its entities.
 struct FileSource {
   const Comm& comm;
   const MeshSlice& file;
@@ -33,16 +33,16 @@ struct FileSource {
   std::vector<std::uint8_t> triangle_required;  ///< by local triangle
 };
 
-/// The mesh as it grows.
+/// The distributed mesh, as far as the steps have built it.
 struct Growing {
   DistMesh dist;
   GidMap gid2vert{0};
   IdVector<TetId, std::int64_t> tet_number;  ///< in the file, from 0
   IdVector<VertId, std::uint8_t> many;       ///< 1 when other ranks have this vertex, too
-  std::vector<FaceId> speakers;              ///< tagged faces; of the two sides of an internal one, over all ranks, one
+  std::vector<FaceId> speakers;              ///< each tagged face once over all ranks, also where it has two sides
 };
 
-/// Something in the file that is wrong.
+/// A fault of the file.
 struct Offence {
   std::int64_t number = -1;  ///< entity, from 0
   std::int64_t other = -1;   ///< a second entity of the same kind, or -1

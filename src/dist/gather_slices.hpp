@@ -8,10 +8,11 @@
 
 namespace skein {
 
-/// Collective. What this rank writes of each entity list (`first` continues the lower ranks'; sizes differ). Vertices:
-/// those it owns (the lowest rank of a shared one), in local order. Tetrahedra: its own. Triangles: each tagged face
-/// once, with the patch's reference, counter-clockwise from outside; an internal one as seen from the region of lower
-/// reference outward. Edges: each feature edge once; ridges, corners, required vertices and triangles as lists.
+/// Collective. This rank's slice of each list of entities. Slices follow each other in rank order and differ in size.
+/// Vertices: those it owns (the lowest rank of a shared one), in local order. Tetrahedra: its own. Triangles: each
+/// tagged face once, with the patch's reference, counter-clockwise from outside; an internal one as seen from the
+/// region of lower reference outward. Edges: each feature edge once; ridges, corners, required vertices and triangles
+/// as lists.
 /// @pre dist is compact and reconciled.
 MeshSlice to_slices(const Comm& comm, const DistMesh& dist);
 

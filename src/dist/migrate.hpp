@@ -1,4 +1,4 @@
-// Migration: tetrahedra change their rank with all that hangs on them.
+// Migration: tetrahedra move to other ranks, with their vertices and attributes.
 #pragma once
 #include <optional>
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace skein {
 
-/// Tetrahedra that go to other ranks; those that are not named stay.
+/// Tetrahedra that move to other ranks; all others stay.
 struct Moves {
   std::vector<TetId> tets;  ///< ascending
   std::vector<Rank> to;     ///< one for each of them
-  /// All tetrahedra with a face without a neighbour, if the caller has looked for them.
+  /// All tetrahedra with a face without a neighbour, if the caller knows them: saves a loop over all tetrahedra.
   std::optional<std::vector<TetId>> open = {};
 };
 

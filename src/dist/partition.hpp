@@ -1,4 +1,4 @@
-// Partition of a distributed mesh: who shall have which tetrahedron, by predicted work, and how good that is.
+// Partition of a distributed mesh: which part each tetrahedron belongs to, by predicted work, and how good that is.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -14,9 +14,9 @@ enum class PartitionMethod { kHilbert, kMultilevel };
 
 /// Of multilevel_partition() of a mesh.
 struct MeshCutOptions {
-  double imbalance = 0.03;  ///< a part may have this much more than the mean work, or the heaviest tetrahedron more
-  /// What it costs to cut a face: one number >= 1 per FaceId (4 per tetrahedron), empty: 1 everywhere. Of the two sides
-  /// of a face the larger number counts. At most 1000, so that sums fit.
+  double imbalance = 0.03;  ///< a part's work may exceed the mean by this share, or by the heaviest tetrahedron
+  /// Weight of each face when it is cut: one number from 1 to 1000 per FaceId (4 per tetrahedron); empty: 1 everywhere.
+  /// If the two sides of a face differ, the larger number counts.
   std::span<const std::int32_t> face_weight = {};
   int threads = 1;  ///< in each rank
 };
@@ -25,7 +25,7 @@ struct MeshCutOptions {
 IdVector<TetId, PartId> multilevel_partition(const Comm& comm, const DistMesh& dist, std::span<const double> work,
                                              int parts, const MeshCutOptions& options = {});
 
-/// The rank that part p belongs to is rank p.
+/// Part p goes to rank p.
 IdVector<TetId, Rank> to_ranks(const IdVector<TetId, PartId>& part);
 
 /// Collective. The part, in [0, parts), of each local tetrahedron, so that all parts have nearly equal work.
@@ -36,9 +36,9 @@ IdVector<TetId, PartId> partition(const Comm& comm, const DistMesh& dist, std::s
 /// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M)
 /// (vertex_face_rule), the log-metric being the first 6 data numbers. 1 when data.width < 6.
 std::vector<double> predicted_elements(const DistMesh& dist);
-/// Expected cost of each tetrahedron in an adaptation, in units of what it takes to make a new one for an isotropic
-/// metric: those that are made for another cost up to 1.4 times as much, those that go somewhat less, those that stay
-/// a third. 1 when data.width < 6.
+/// Expected cost of each tetrahedron in an adaptation. The unit is the cost of making one tetrahedron for an isotropic
+/// metric. One that is made for an anisotropic metric costs up to 1.6 times as much, one that goes three quarters, one
+/// that stays about a quarter. 1 when data.width < 6.
 std::vector<double> predicted_work(const DistMesh& dist);
 
 struct PartitionStats {

@@ -1,4 +1,5 @@
-// Rendezvous: ranks that hold copies of one thing meet at a rank that follows from the thing's global ids alone.
+// Rendezvous: ranks that have copies of the same vertex, edge or face send a message to the same third rank, which
+// follows from the global ids alone. There they find each other.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,7 +15,7 @@
 namespace skein {
 
 constexpr std::uint64_t mix(GlobalId g) noexcept { return mix(static_cast<std::uint64_t>(num(g))); }
-/// The rank where the holders of `hash` meet.
+/// The rank to which all that know the item with this hash send their message.
 constexpr Rank meeting_rank(std::uint64_t hash, int ranks) noexcept {
   return to_id<Rank>((hash >> 16) % static_cast<std::uint64_t>(ranks));
 }
@@ -49,8 +50,8 @@ constexpr Rank meeting_rank(const std::array<GlobalId, 3>& gid, int ranks) noexc
   return meeting_rank(hash_of(gid), ranks);
 }
 
-/// Global ids numbered 0, 1, ... in the order of their first insertion: open addressing, or a place for each id where
-/// that takes not much more.
+/// Numbers global ids 0, 1, ... in the order of their first insertion. A hash table with open addressing, or a plain
+/// array with a place for each possible id where that takes little more memory.
 class GidMap {
  public:
   /// @pre ids are below `total` if that is given.

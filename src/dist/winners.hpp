@@ -1,4 +1,4 @@
-// Winners: which of the ranks that share an interface shall have what lies along it.
+// Winners: which of the two ranks that share an interface takes the region along it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -9,25 +9,25 @@
 
 namespace skein {
 
-/// Orders ranks by some amount, the least first: distinct, greater than 0, the rank in the low 32 bits. @pre amount >=
-/// 0.
+/// A priority that is the larger, the smaller the amount. Priorities of different ranks differ; all are greater than 0;
+/// the low 32 bits are the rank. @pre amount >= 0.
 [[nodiscard]] constexpr std::int64_t least_first(std::int64_t amount, Rank r) noexcept {
   constexpr std::int64_t kMost = (std::int64_t{1} << 29) - 1;  // leaves two bits above for others
   return (kMost + 1 - (amount < kMost ? amount : kMost)) << 32 | num(r);
 }
 
-/// Every two ranks that share vertices fight for them, and one wins them all: an interface is then given away in one
-/// piece, and only where three ranks meet do regions of different winners touch. Who wins is chosen so that all ranks
-/// win about as many vertices; among equals it changes with the round. Where there are fewer pairs than ranks, as with
-/// two ranks, the halves of the interface's box are fought for apart, if it is not small.
+/// Of every two ranks that share vertices one is the winner and takes them all. So an interface goes to one rank as a
+/// whole, and regions of different winners touch only where three ranks meet. Winners are chosen so that all ranks win
+/// about as many vertices; ties are broken differently in each round. Where there are fewer pairs than ranks, as with
+/// two ranks, the box of a large interface is halved, and each half has a winner of its own.
 class Winners {
  public:
   /// Collective. `wanted`: one per entry of dist.sharing, nonzero for the vertices that count; alike on all copies.
   Winners(const Comm& comm, const DistMesh& dist, const std::vector<char>& wanted, int round);
   /// The rank that gets the vertex of entry i of dist.sharing, at x; the same on all that share it. Not collective.
   [[nodiscard]] Rank winner(const Sharing& sharing, std::size_t i, Vec3 x) const;
-  /// Who goes first where the regions of two winners meet: who has won less. Distinct, greater than 0, the rank in the
-  /// low 32 bits. Not collective.
+  /// Priority of rank r where the regions of two winners meet: larger for a rank that has won fewer vertices. See
+  /// least_first(). Not collective.
   [[nodiscard]] std::int64_t priority(Rank r) const noexcept { return least_first(won_[idx(r)], r); }
 
  private:
@@ -42,7 +42,7 @@ class Winners {
   void find_box(const Comm& comm, const DistMesh& dist, const std::vector<char>& wanted);
   void count(const Comm& comm, const DistMesh& dist, const std::vector<char>& wanted);
   void decide(int ranks);
-  /// Turns round single winners, and pairs of them that a rank wins and loses, for as long as shares become more alike.
+  /// Exchanges winner and loser of single pairs, and of two pairs at once, while the ranks' shares become more equal.
   void make_alike();
   [[nodiscard]] std::int32_t half_of(Vec3 x) const noexcept;
   [[nodiscard]] bool beats(Rank r, Rank other, std::int32_t half) const noexcept;

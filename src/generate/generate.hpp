@@ -1,4 +1,4 @@
-// Volume generation from a closed surface triangulation [35.2.3].
+// Volume generation from a closed surface triangulation [HassanProbert1999, 35.2.3].
 #pragma once
 #include "adapt/adapt.hpp"
 #include "comm/comm.hpp"
@@ -18,7 +18,7 @@ struct GenerateOptions {
   AdaptOptions adapt;         ///< surface and spacing are set by generate()
 };
 
-/// A first, coarse volume mesh: TetGen's tetrahedra between surface vertices and a thin cloud of seeds.
+/// A first, coarse volume mesh: TetGen's tetrahedra between the surface vertices and a few points inside (seeds).
 struct CoarseVolume {
   MeshSlice mesh;               ///< even slices; the surface's vertices, triangles, edges and lists first and unchanged
   std::vector<double> spacing;  ///< wanted, per vertex of this rank's slice; length

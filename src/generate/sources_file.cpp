@@ -84,7 +84,8 @@ class Reader {
         if (f.size_max <= 0) fail(node, fmt::format("'size_max' is {}, but must be greater than 0", f.size_max));
         continue;
       }
-      const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == key.str(); });
+      const auto kind =
+          std::find_if(kKinds.begin(), kKinds.end(), [name = key.str()](const Kind& k) { return k.name == name; });
       if (kind == kKinds.end()) {
         fail(node,
              fmt::format("unknown key '{}'; known are size_max, [[point]], [[line]] and [[triangle]]", key.str()));

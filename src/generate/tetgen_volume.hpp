@@ -1,4 +1,4 @@
-// The boundary-conforming tetrahedralisation of a closed surface, by TetGen. Serial.
+// The boundary-conforming tetrahedralisation of a closed surface, by TetGen [TetGen]. Serial.
 #pragma once
 #include <array>
 #include <vector>

@@ -1,4 +1,4 @@
-// What each format offers to mesh_io.cpp. Paths and slices as in mesh_io.hpp; all functions are collective.
+// The functions of each format, for mesh_io.cpp. Paths and slices as in mesh_io.hpp; all functions are collective.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// How numbers lie in a GMF binary file: by version and byte order.
+// The layout of numbers in a GMF binary file, by version and byte order.
 #pragma once
 #include <cstddef>
 #include <cstdint>

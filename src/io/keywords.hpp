@@ -29,9 +29,9 @@ struct KeywordInfo {
   std::int32_t code;
   std::string_view name;  ///< as in text files
   std::string_view one;   ///< one entity, for messages
-  bool refused;           ///< elements that Skein cannot keep and must not drop in silence
+  bool refused;           ///< elements that Skein cannot keep: a file with such is refused
 };
-/// nullptr for a keyword that is passed over.
+/// nullptr for a keyword that Skein ignores.
 const KeywordInfo* find_keyword(std::int32_t code) noexcept;
 const KeywordInfo* find_keyword(std::string_view name) noexcept;
 /// @pre one of Keyword.
@@ -47,13 +47,13 @@ inline constexpr std::int64_t kMaxFields = 64;
 void require_field_count(const std::string& where, std::int64_t count);
 FieldKind field_kind(const std::string& where, std::int64_t field, std::int64_t kind);
 
-/// What the numbers of a record mean: `indices` numbers from 1 to `limit`, then a reference if width > indices.
+/// The layout of a record: `indices` entity numbers from 1 to `limit`, then a reference if width > indices.
 struct RecordSpec {
   Keyword key;
   int width = 0;
   int indices = 0;
-  std::int64_t limit = 0;  ///< how many of what the indices name
-  Keyword named{};         ///< what the indices name: kVertices, kEdges or kTriangles
+  std::int64_t limit = 0;  ///< number of entities that the indices can name
+  Keyword named{};         ///< the entities that the indices name: kVertices, kEdges or kTriangles
 };
 /// Throws the Error for number `value` at `field` of record `record` (from 0).
 [[noreturn]] void throw_bad_number(const std::string& where, const RecordSpec& spec, std::int64_t record, int field,

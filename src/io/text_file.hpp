@@ -9,7 +9,7 @@
 
 namespace skein::io {
 
-/// A word of the file and where its numbers are. Numbers are counted from 0 through the whole file.
+/// A keyword of the file and the numbers that follow it. Numbers are counted from 0 through the whole file.
 struct TextWord {
   static constexpr std::size_t kMaxName = 39;  ///< longer words are cut
   char text[kMaxName + 1] = {};

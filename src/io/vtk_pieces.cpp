@@ -61,7 +61,7 @@ Piece make_piece(const Comm& comm, const MeshSlice& mesh, const FieldSlice* fiel
   collect_verts(mesh.tets, verts);
   collect_verts(mesh.triangles, verts);
   std::ranges::sort(verts);
-  verts.erase(std::ranges::unique(verts).begin(), verts.end());
+  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
   p.mesh.tets = local_cells(mesh.tets, verts);
   p.mesh.triangles = local_cells(mesh.triangles, verts);
   p.mesh.total_verts = static_cast<std::int64_t>(verts.size());

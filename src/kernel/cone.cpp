@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/loops.hpp"
+
 namespace skein {
 namespace {
 
@@ -24,7 +26,7 @@ double Cone::judge(Vec3 x, const VertMetric& m) {
   for (std::size_t k = 0; k < block_count(); ++k) {
     const Block& f = blocks_[k];
     Lanes& q3 = q3_[k];
-#pragma GCC ivdep
+    SKEIN_INDEPENDENT_LOOP
     for (std::size_t l = 0; l < kLanes; ++l) {
       const Vec3 a = f.minus(kA, l, x);
       const Vec3 b = f.minus(kB, l, x);
@@ -62,7 +64,7 @@ Cone::Newton Cone::newton(Vec3 x, const SymTensor& m) {
   for (std::size_t k = 0; k < block_count(); ++k) {
     const Block& f = blocks_[k];
     const std::size_t used = std::min(kLanes, size_ - k * kLanes);
-#pragma GCC ivdep
+    SKEIN_INDEPENDENT_LOOP
     for (std::size_t l = 0; l < kLanes; ++l) {
       const Vec3 a = f.minus(kA, l, x);
       const Vec3 b = f.minus(kB, l, x);
@@ -107,7 +109,7 @@ Cone::Place Cone::locate(Vec3 x, Vec3 step) {
     const Block& f = blocks_[k];
     std::array<Lanes, 3> w;
     Lanes low;
-#pragma GCC ivdep
+    SKEIN_INDEPENDENT_LOOP
     for (std::size_t l = 0; l < kLanes; ++l) {
       const Vec3 a = f.minus(kA, l, x);
       const Vec3 b = f.minus(kB, l, x);
@@ -138,7 +140,7 @@ void Spheres::test(Vec3 x, const SymTensor& m) {
   for (std::size_t k = 0; k * kLanes < size_; ++k) {
     Block& s = blocks_[k];
     const auto& [pa, pb, pc, pd] = s.x;
-#pragma GCC ivdep
+    SKEIN_INDEPENDENT_LOOP
     for (std::size_t l = 0; l < kLanes; ++l) {
       const Vec3 a{pa[0][l] - x.x, pa[1][l] - x.y, pa[2][l] - x.z};
       const Vec3 b{pb[0][l] - x.x, pb[1][l] - x.y, pb[2][l] - x.z};

@@ -10,7 +10,6 @@ int Shell::tagged_faces() const noexcept {
 }
 
 namespace {
-constexpr std::size_t u(int i) noexcept { return static_cast<std::size_t>(i); }
 
 enum class Walk { kRound, kOpen, kTooFar };
 

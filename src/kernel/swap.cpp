@@ -5,10 +5,6 @@
 #include <numbers>
 
 namespace skein {
-namespace {
-constexpr std::size_t u(int i) noexcept { return static_cast<std::size_t>(i); }
-}  // namespace
-
 bool Swapper::surface_swap_allowed() {
   const TetMesh& m = part_->mesh;
   const FaceTag first = shell_.tag[0], last = shell_.tag[shell_.n];

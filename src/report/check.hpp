@@ -34,7 +34,7 @@ inline constexpr std::size_t kMaxFindings = 10;  ///< listed of each kind; all a
 /// One thing that is wrong. Numbers from 0; -1 is "none".
 struct Finding {
   Fault fault{};
-  std::int32_t corners = 0;              ///< how many of `verts` count
+  std::int32_t corners = 0;              ///< how many entries of `verts` are used
   std::int64_t entity = -1, other = -1;  ///< tetrahedra, triangles or vertices, as the fault says
   std::array<GlobalId, 4> verts{kNoGlobal, kNoGlobal, kNoGlobal, kNoGlobal};
   std::array<Vec3, 4> coords{};            ///< of `verts`

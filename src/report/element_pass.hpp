@@ -10,7 +10,7 @@
 
 namespace skein {
 
-/// What is found out about some tetrahedra.
+/// Sums and extremes over some tetrahedra.
 struct TetSums {
   std::int64_t nonpositive = 0;
   double volume = 0, min_volume = std::numeric_limits<double>::infinity();

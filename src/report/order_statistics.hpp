@@ -11,9 +11,9 @@ namespace skein {
 /// A rank's numbers in pieces, one for each of its threads.
 using Pieces = std::span<const std::span<const double>>;
 
-/// Collective. For each k the k-th smallest (from 0) of all ranks' values together, exact: the same bits for any number
-/// of ranks and pieces. One histogram pass over the bits of the numbers for all, then three for each k over what is
-/// near it; 512 kB of messages for each pass.
+/// Collective. For each k the k-th smallest value (from 0) over all ranks, exact: the same bits for any number of ranks
+/// and pieces. One pass makes a histogram of the leading bits of all values; three more passes for each k refine it
+/// near that value. Each pass sends 512 kB.
 /// @pre values are not negative and not NaN; ks is the same on every rank; 0 <= k < the number of values on all ranks.
 std::vector<double> order_statistics(const Comm& comm, Pieces values, std::span<const std::int64_t> ks);
 

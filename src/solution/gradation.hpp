@@ -9,7 +9,7 @@
 
 namespace skein {
 
-/// What a gradation did, over all ranks.
+/// Result of a gradation, over all ranks.
 struct GradationReport {
   std::int64_t lowered = 0;  ///< vertices that became stricter
   int sweeps = 0;            ///< exchanges between the ranks
@@ -24,10 +24,11 @@ inline constexpr int kMostSweeps = 1000;
 GradationReport grade_sizes(const Comm& comm, const DistMesh& dist, const Halo& halo, double growth,
                             std::span<double> size);
 
-/// Collective. Makes metrics stricter until on every edge vw that at w is at least as strict as that at v after its
-/// growth along the edge, in every direction (is_within: to 0.05 % of the size). Sweeps over all vertices with what was
-/// there before the sweep; each is intersected with what its neighbours demand in the order of their global ids. So the
-/// same metric and global ids give the same bits on any number of ranks. Otherwise as grade_sizes().
+/// Collective. Makes metrics stricter until on every edge vw the metric at w is at least as strict as the metric of v
+/// after its growth along the edge, in every direction (is_within: to 0.05 % of the size). Each sweep starts from the
+/// metrics before it. At each vertex the metric is intersected with the grown metrics of its neighbours, in the order
+/// of their global ids. So the same metric and global ids give the same bits on any number of ranks. Otherwise as
+/// grade_sizes().
 GradationReport grade_metric(const Comm& comm, const DistMesh& dist, double growth, std::span<SymTensor> metric);
 
 }  // namespace skein

@@ -58,8 +58,9 @@ GradationReport grade(const Comm& comm, const DistMesh& dist, const MetricPolicy
                       std::span<SymTensor> log_metric);
 
 /// Collective. Scales the metric to policy.complexity such that it has it after its gradation (to 0.1 %), then clamps
-/// and grades; the clamped metric may have another complexity. Throws Error(kInput) on all ranks when its complexity is
-/// zero or not finite. @pre policy.complexity > 0
+/// and grades; the clamped metric may have another complexity. Graded sizes keep the bounds; intersections of tensors
+/// that are turned against each other may go below h_min. Throws Error(kInput) on all ranks when its complexity is zero
+/// or not finite. @pre policy.complexity > 0
 GradationReport scale_to_complexity(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
                                     std::span<SymTensor> log_metric);
 

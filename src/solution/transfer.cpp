@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 #include <vector>
 
 #include "base/hilbert.hpp"
 #include "base/radix_sort.hpp"
+#include "base/parallel.hpp"
 #include "dist/rendezvous.hpp"
 
 namespace skein {
@@ -32,23 +32,19 @@ std::vector<std::uint32_t> space_order(std::span<const Vec3> points) {
   return order;
 }
 
-/// Calls take(i, place or null) for point(i), i = 0 .. n-1, in `threads` threads. @pre point and take do not throw.
+/// Calls take(i, place or null) for point(i), i = 0 .. n-1, in `threads` threads.
 template <class Point, class Take>
 void find_all(const TetLocator& locator, std::size_t n, int threads, Point&& point, Take&& take) {
   const std::size_t chunks = (n + kChunk - 1) / kChunk;
-  const std::size_t workers =
-      std::clamp(static_cast<std::size_t>(threads), std::size_t{1}, std::max(chunks, std::size_t{1}));
-  const auto run = [&](std::size_t worker) {
-    for (std::size_t c = chunks * worker / workers; c < chunks * (worker + 1) / workers; ++c) {
+  const int workers = static_cast<int>(std::clamp<std::size_t>(chunks, 1, static_cast<std::size_t>(threads)));
+  in_parallel(workers, [&](int worker) {
+    for (std::size_t c = share_begin(chunks, worker, workers); c < share_begin(chunks, worker + 1, workers); ++c) {
       TetId hint = kNoTet;
       Place place;
       for (std::size_t i = c * kChunk; i < std::min(n, (c + 1) * kChunk); ++i)
         take(i, locator.find(point(i), hint, place) ? &place : nullptr);
     }
-  };
-  std::vector<std::jthread> others;
-  for (std::size_t w = 1; w < workers; ++w) others.emplace_back(run, w);
-  run(0);
+  });
 }
 
 struct Question {

@@ -9,7 +9,7 @@
 
 namespace skein {
 
-/// What a transfer met, over all ranks.
+/// Counts of a transfer, over all ranks.
 struct TransferReport {
   std::int64_t points = 0;   ///< asked for
   std::int64_t remote = 0;   ///< of these: answered by another rank
@@ -17,8 +17,8 @@ struct TransferReport {
   double farthest = 0;       ///< largest distance of any point to the old mesh; length
 };
 
-/// A mesh with fields at its vertices, kept as it was: each rank keeps its part (coordinates, tetrahedra, fields), and
-/// all ranks know a few boxes round each part.
+/// The old mesh with fields at its vertices. Each rank keeps its part (coordinates, tetrahedra, fields). All ranks have
+/// a few bounding boxes of every part, which tell which ranks to ask for a point.
 class Background {
  public:
   /// Collective. Copies what it needs of `dist`; `fields` are its fields, equal on all copies of a vertex. `comm` must
@@ -26,8 +26,8 @@ class Background {
   /// ranks when the fields do not fit the mesh, or there is no tetrahedron. @pre dist is compact and reconciled.
   Background(const Comm& comm, const DistMesh& dist, VertexData fields);
 
-  /// Collective. The fields at these points (any number, none is fine): linear in the tetrahedron that holds the point,
-  /// on whichever rank; outside of the mesh those of its nearest point (if there are several, of one of them).
+  /// Collective. The fields at these points (any number, also none): interpolated linearly in the tetrahedron that
+  /// contains the point, on whichever rank it is. Outside of the mesh, the fields at the nearest point of the mesh.
   /// Exact to rounding for linear fields, exact for constant ones and at old vertices. All components alike, those of
   /// tensors, too.
   [[nodiscard]] VertexData at(std::span<const Vec3> points, int threads = 1, TransferReport* report = nullptr) const;

@@ -1,4 +1,4 @@
-// TetLocator: which tetrahedron of one rank holds a point, or which is the nearest.
+// TetLocator: finds the tetrahedron of one rank that contains a point, or the nearest one.
 #pragma once
 #include <array>
 #include <vector>
@@ -15,19 +15,19 @@ struct Place {
   double distance2 = kInfinity;  ///< square of the distance of the point asked for; 0 inside
 };
 
-/// Holds what it needs of a mesh: coordinates, vertices and neighbours of its tetrahedra, and a tree of boxes over
-/// them. Fast when the tetrahedra are in an order that follows space (that of distribute()); right in any.
+/// Copies the coordinates, tetrahedra and neighbours of a mesh and makes a tree of boxes over them. Fast when
+/// consecutive tetrahedra are near in space, as after distribute(); correct in any order.
 class TetLocator {
  public:
   /// @pre no free slots; tet2face is right.
   explicit TetLocator(const TetMesh& mesh);
 
-  /// The tetrahedron that holds x, to rounding: no barycentric weight below -kTolerance. Walks from `hint` (kNoTet:
-  /// none) over faces, and asks the tree where the walk gets lost. False when no tetrahedron holds x. `hint` becomes
-  /// the tetrahedron found. Thread-safe.
+  /// The tetrahedron that contains x, to rounding: no barycentric weight below -kTolerance. Walks over faces from
+  /// `hint` (kNoTet: none), and uses the tree where the walk ends at a border. False when no tetrahedron contains x.
+  /// `hint` becomes the tetrahedron found. Thread-safe.
   bool find(Vec3 x, TetId& hint, Place& place) const noexcept;
-  /// The nearest point of the mesh, if its squared distance is at most limit2; otherwise tet is kNoTet. Of equally
-  /// near tetrahedra any. Thread-safe.
+  /// The nearest point of the mesh, if its squared distance is at most limit2; otherwise tet is kNoTet. If several
+  /// tetrahedra are equally near, any of them. Thread-safe.
   [[nodiscard]] Place nearest(Vec3 x, double limit2) const noexcept;
 
   [[nodiscard]] const std::array<VertId, 4>& verts(TetId t) const noexcept { return tet2vert_[t]; }

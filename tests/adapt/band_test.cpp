@@ -6,7 +6,7 @@
 #include "adapt/local.hpp"
 #include "dist/interface.hpp"
 #include "metric/tensor.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
@@ -14,7 +14,7 @@ namespace {
 
 /// A cube of two regions on all ranks that asks for the edge length h; active where x < 0.4.
 DistMesh make(const Comm& comm, double h) {
-  DistMesh dist = with_metric(comm, cube(10, true, true), [&](Vec3) { return isotropic(-2 * std::log(h)); });
+  DistMesh dist = with_metric(comm, cube(10, Regions::kTwoTagged), [&](Vec3) { return isotropic(-2 * std::log(h)); });
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     if (dist.mesh.coords[v].x < 0.4) dist.mesh.vert_flags[v] |= kActive;
   }

@@ -9,7 +9,7 @@
 
 #include "dist/partition.hpp"
 #include "metric/tensor.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

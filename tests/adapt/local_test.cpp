@@ -9,7 +9,7 @@
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "tests/kernel/metrics.hpp"
-#include "tests/mesh/meshes.hpp"
+#include "tests/support/tet_meshes.hpp"
 
 namespace skein::test {
 namespace {

@@ -70,7 +70,7 @@ TEST(LargeBlocks, AreAligned) {
   }
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these end the program
+#if !defined(SKEIN_SANITIZED)  // these end the program
 /// Share of a block's pages that are in memory.
 double resident(const std::vector<char>& block) {
   const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dist/dual_graph.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

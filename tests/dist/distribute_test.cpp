@@ -1,7 +1,7 @@
 // distribute(): nothing is lost, features and corners are found, whatever the number of ranks.
 #include <gtest/gtest.h>
 
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
@@ -16,7 +16,7 @@ int on_sides(const std::vector<double>& x, std::size_t at) {
 
 TEST(Distribute, KeepsEverythingOfACube) {
   const Comm& comm = world();
-  const Whole whole = cube(4);
+  const WholeMesh whole = cube(4);
   const MeshSlice file = slices(comm, whole);
   DistributeReport report;
   const DistMesh dist = distribute(comm, file, nullptr, {}, &report);
@@ -40,7 +40,7 @@ TEST(Distribute, KeepsEverythingOfACube) {
 
 TEST(Distribute, MeasuresAreConserved) {
   const Comm& comm = world();
-  const DistMesh dist = distribute(comm, slices(comm, cube(4, true, true)));
+  const DistMesh dist = distribute(comm, slices(comm, cube(4, Regions::kTwoTagged)));
   const Measure m = measure(comm, dist);
   EXPECT_NEAR(m.volume, 1, 1e-12);
   ASSERT_EQ(m.area.size(), 7u);
@@ -50,7 +50,7 @@ TEST(Distribute, MeasuresAreConserved) {
 
 TEST(Distribute, OutputIsAsGoodAnInput) {
   const Comm& comm = world();
-  const DistMesh first = distribute(comm, slices(comm, cube(4, true, true)));
+  const DistMesh first = distribute(comm, slices(comm, cube(4, Regions::kTwoTagged)));
   const MeshSlice out = to_slices(comm, first);
   const DistMesh second = distribute(comm, out);
   reconcile(comm, second);
@@ -60,7 +60,7 @@ TEST(Distribute, OutputIsAsGoodAnInput) {
 TEST(Distribute, BareRegionFacesGetAPatch) {
   const Comm& comm = world();
   DistributeReport report;
-  const DistMesh dist = distribute(comm, slices(comm, cube(4, true, false)), nullptr, {}, &report);
+  const DistMesh dist = distribute(comm, slices(comm, cube(4, Regions::kTwo)), nullptr, {}, &report);
   reconcile(comm, dist);
   EXPECT_EQ(check(dist.mesh), "");
   EXPECT_EQ(report.untagged_region_faces, 32);
@@ -71,7 +71,7 @@ TEST(Distribute, BareRegionFacesGetAPatch) {
 
 TEST(Distribute, BareHullGetsAPatch) {
   const Comm& comm = world();
-  Whole whole = cube(3);
+  WholeMesh whole = cube(3);
   std::vector<std::array<std::int64_t, 3>> tris;
   std::vector<std::int32_t> refs;
   for (std::size_t i = 0; i < whole.tris.size(); ++i) {
@@ -99,7 +99,7 @@ TEST(Distribute, BareHullGetsAPatch) {
 
 TEST(Distribute, EdgesOfTheFileSurvive) {
   const Comm& comm = world();
-  Whole whole = cube(4);
+  WholeMesh whole = cube(4);
   // A line in the middle of the side z = 0, one edge of which is a ridge; an edge in the volume; one that is no edge.
   whole.edges = {{10, 11}, {11, 12}, {12, 13}, {31, 56}, {0, 124}};
   whole.edge_ref = {5, 5, 6, 9, 11};
@@ -156,7 +156,7 @@ TEST(Distribute, FlagsAndDataAreTheSameOnAllCopies) {
 
 TEST(Distribute, AllInvertedIsTurnedAndUnusedVerticesAreDropped) {
   const Comm& comm = world();
-  Whole whole = cube(2);
+  WholeMesh whole = cube(2);
   for (auto& t : whole.tets) std::swap(t[1], t[3]);
   whole.coords.push_back({9, 9, 9});
   DistributeReport report;
@@ -170,9 +170,9 @@ TEST(Distribute, AllInvertedIsTurnedAndUnusedVerticesAreDropped) {
 }
 
 /// Two cubes, the second moved by `shift`; vertices at the same place are one.
-Whole two_cubes(int n, Vec3 shift) {
-  Whole w = cube(n);
-  const Whole b = cube(n);
+WholeMesh two_cubes(int n, Vec3 shift) {
+  WholeMesh w = cube(n);
+  const WholeMesh b = cube(n);
   std::vector<std::int64_t> number;
   for (const Vec3 x : b.coords) {
     const Vec3 y = x + shift;
@@ -212,7 +212,7 @@ TEST(Distribute, PinchedDomainsShareTheirVertices) {
 
 TEST(Distribute, SurfacesThatTouchInAVertexMakeACorner) {
   const Comm& comm = world();
-  Whole whole = two_cubes(2, {1, 1, 1});
+  WholeMesh whole = two_cubes(2, {1, 1, 1});
   for (auto& r : whole.tri_ref) r = 1;
   DistributeOptions options;
   options.ridge_angle = 180;  // no ridge anywhere: only the pinched vertex is left

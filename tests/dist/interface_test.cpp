@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

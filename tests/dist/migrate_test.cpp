@@ -3,14 +3,14 @@
 
 #include "dist/interface.hpp"
 #include "dist/sharing.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
 namespace {
 
 DistMesh make(const Comm& comm) {
-  Whole whole = cube(4, true, true);
+  WholeMesh whole = cube(4, Regions::kTwoTagged);
   whole.edges = {{10, 11}, {11, 12}, {31, 56}};
   whole.edge_ref = {5, 5, 9};
   whole.corners = {62};

@@ -12,7 +12,7 @@
 #include "dist/rebalance.hpp"
 #include "partition/graph.hpp"
 #include "partition/graph_pieces.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

@@ -7,7 +7,7 @@
 
 #include "dist/rendezvous.hpp"
 #include "partition/hilbert.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {

@@ -3,14 +3,14 @@
 
 #include <limits>
 
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
 namespace {
 
 /// The line with which distribute() refuses `whole`; empty if it does not. Checks that all ranks get the same.
-std::string refusal(const Whole& whole) {
+std::string refusal(const WholeMesh& whole) {
   const Comm& comm = world();
   std::string line;
   try {
@@ -31,14 +31,14 @@ void expect_parts(const std::string& line, const std::vector<std::string>& parts
 TEST(Refuse, GoodMeshIsNotRefused) { EXPECT_EQ(refusal(cube(3)), ""); }
 
 TEST(Refuse, RepeatedVertex) {
-  Whole w = cube(3);
+  WholeMesh w = cube(3);
   w.tets[4][1] = w.tets[4][0];
   w.tets[100][3] = w.tets[100][2];
   expect_parts(refusal(w), {"cube.mesh: ", "repeated vertex", "5, 101", "(2 in all)", "first with vertices"});
 }
 
 TEST(Refuse, VertexOutOfRange) {
-  Whole w = cube(3);
+  WholeMesh w = cube(3);
   w.tets[30][1] = 64;
   expect_parts(refusal(w), {"not in the mesh", "31 ("});
   w = cube(3);
@@ -47,13 +47,13 @@ TEST(Refuse, VertexOutOfRange) {
 }
 
 TEST(Refuse, CoordinatesNotFinite) {
-  Whole w = cube(3);
+  WholeMesh w = cube(3);
   w.coords[6].y = std::numeric_limits<double>::quiet_NaN();
   expect_parts(refusal(w), {"not finite", ": 7 ("});
 }
 
 TEST(Refuse, InvertedAndFlat) {
-  Whole w = cube(3);
+  WholeMesh w = cube(3);
   for (const std::size_t t : {2u, 30u, 31u, 32u, 60u, 90u, 91u}) std::swap(w.tets[t][0], w.tets[t][1]);
   expect_parts(refusal(w), {"inverted or flat", "3, 31, 32, 33, 61, ... (7 in all)", "the first with vertices", "("});
   w = cube(1);
@@ -62,7 +62,7 @@ TEST(Refuse, InvertedAndFlat) {
 }
 
 TEST(Refuse, DuplicateTetrahedra) {
-  Whole w = cube(3);
+  WholeMesh w = cube(3);
   w.tets.push_back(w.tets[11]);
   w.tet_ref.push_back(1);
   expect_parts(refusal(w), {"tetrahedra given twice", "12 and 163", "(1 in all)"});
@@ -70,7 +70,7 @@ TEST(Refuse, DuplicateTetrahedra) {
 
 TEST(Refuse, CrowdedFace) {
   // Three tetrahedra at the triangle 0 1 2.
-  Whole w;
+  WholeMesh w;
   w.coords = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}, {0.1, 0.1, 2}};
   w.tets = {{0, 1, 2, 3}, {0, 2, 1, 4}, {0, 1, 2, 5}};
   w.tet_ref = {1, 1, 1};
@@ -78,7 +78,7 @@ TEST(Refuse, CrowdedFace) {
 }
 
 TEST(Refuse, BothOnOneSide) {
-  Whole w;
+  WholeMesh w;
   w.coords = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.1, 0.1, 2}};
   w.tets = {{0, 1, 2, 3}, {0, 1, 2, 4}};
   w.tet_ref = {1, 1};
@@ -86,14 +86,14 @@ TEST(Refuse, BothOnOneSide) {
 }
 
 TEST(Refuse, StrayTriangle) {
-  Whole w = cube(3);
+  WholeMesh w = cube(3);
   w.tris.push_back({0, 21, 63});
   w.tri_ref.push_back(3);
   expect_parts(refusal(w), {"no face of a tetrahedron", std::to_string(w.tris.size()) + " (1 in all)", "22 ("});
 }
 
 TEST(Refuse, DuplicateTriangle) {
-  Whole w = cube(3);
+  WholeMesh w = cube(3);
   w.tris.push_back({w.tris[9][1], w.tris[9][0], w.tris[9][2]});
   w.tri_ref.push_back(3);
   expect_parts(refusal(w), {"triangles given twice", "10 and " + std::to_string(w.tris.size())});

@@ -3,7 +3,7 @@
 
 #include "dist/interface.hpp"
 #include "dist/partition.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
@@ -40,7 +40,7 @@ TEST(Tiny, SixTetrahedra) {
 
 TEST(Tiny, NoTetrahedraAtAll) {
   const Comm& comm = world();
-  const Whole nothing;
+  const WholeMesh nothing;
   DistMesh dist = distribute(comm, slices(comm, nothing));
   migrate(comm, dist, Moves{});
   EXPECT_NO_THROW(reconcile(comm, dist));
@@ -49,7 +49,7 @@ TEST(Tiny, NoTetrahedraAtAll) {
 
 TEST(Tiny, LargerMeshOnEightRanks) {
   const Comm& comm = world();
-  DistMesh dist = distribute(comm, slices(comm, cube(4, true, true)));
+  DistMesh dist = distribute(comm, slices(comm, cube(4, Regions::kTwoTagged)));
   reconcile(comm, dist);
   const Content before = content(comm, to_slices(comm, dist));
   for (unsigned seed = 0; seed < 3; ++seed) {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "dist/partition.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
@@ -34,7 +34,6 @@ struct Shared {
   GlobalId gid;
   Rank a, b;  ///< the two that share it; b = Rank{-1}: more do
   Rank winner;
-  friend auto operator<=>(const Shared&, const Shared&) = default;
 };
 /// Collective. All copies of all shared vertices, as their ranks see them.
 std::vector<Shared> all_shared(const Comm& comm, const DistMesh& dist, const Winners& contest) {

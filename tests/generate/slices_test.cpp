@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "comm/file.hpp"
-#include "tests/generate/surfaces.hpp"
+#include "tests/support/surfaces.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein {

@@ -7,7 +7,7 @@
 #include "generate/components.hpp"
 #include "generate/surface_check.hpp"
 #include "tests/generate/expect_error.hpp"
-#include "tests/generate/surfaces.hpp"
+#include "tests/support/surfaces.hpp"
 
 namespace skein {
 namespace {
@@ -23,7 +23,7 @@ double signed_volume(const MeshSlice& m) {
 }
 
 TEST(CheckSurface, OrientsMixedTriangles) {
-  for (const MeshSlice& m : {test::cube(4), test::l_shape(4), test::hollow_cube(6), test::sphere(3)}) {
+  for (const MeshSlice& m : {test::cube_surface(4), test::l_shape(4), test::hollow_cube(6), test::sphere(3)}) {
     const double volume = signed_volume(m);
     const ClosedSurface s = check_surface(test::mixed_up(m));
     EXPECT_NEAR(s.volume, volume, 1e-12);
@@ -48,9 +48,9 @@ TEST(CheckSurface, FindsVoidsAndIslands) {
 }
 
 TEST(CheckSurface, FindsAPointInAThinVoid) {
-  MeshSlice plate = test::cube(6);
+  MeshSlice plate = test::cube_surface(6);
   for (Vec3& x : plate.coords) x = {0.2 + 0.6 * x.x, 0.2 + 0.6 * x.y, 0.5 + 1e-5 * x.z};
-  const ClosedSurface s = check_surface(test::both(test::cube(3), plate));
+  const ClosedSurface s = check_surface(test::both(test::cube_surface(3), plate));
   ASSERT_EQ(s.voids.size(), 1U);
   EXPECT_GT(s.voids[0].z, 0.5);
   EXPECT_LT(s.voids[0].z, 0.5 + 1e-5);
@@ -63,7 +63,7 @@ TEST(CheckSurface, TakesBodiesSideBySide) {
 }
 
 TEST(CheckSurface, MergesTwinsAndDropsUnusedVertices) {
-  const MeshSlice m = test::cube(3);
+  const MeshSlice m = test::cube_surface(3);
   MeshSlice loose;  // every triangle with corners of its own, as STL files have them
   test::add_vertex(loose, {9, 9, 9});
   for (std::size_t t = 0; t < m.triangles.verts.size(); ++t) {
@@ -100,21 +100,21 @@ TEST(CheckSurface, RefusesWithNumbers) {
   m.triangles.ref.pop_back();
   refused(m, {"body.mesh", "not closed", "(3 in all)"});
 
-  m = test::cube(2);
+  m = test::cube_surface(2);
   m.triangles.verts[6][2] = m.triangles.verts[6][0];
   refused(m, {"triangle 7 "});
 
-  m = test::cube(2);
+  m = test::cube_surface(2);
   const auto& t = m.triangles.verts[2];
   m.coords[idx(t[0])] = 0.5 * (m.coords[idx(t[1])] + m.coords[idx(t[2])]);
   refused(m, {"no area"});
 
-  m = test::cube(2);
+  m = test::cube_surface(2);
   const auto copy = m.triangles.verts[3];
   test::add_triangle(m, copy[1], copy[2], copy[0], 1);
   refused(m, {"triangles 4 and 49 ", "same vertices"});
 
-  m = test::cube(2);
+  m = test::cube_surface(2);
   m.coords[5].y = std::nan("");
   refused(m, {"vertex 6 ", "not finite"});
 

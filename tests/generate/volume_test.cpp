@@ -10,7 +10,7 @@
 #include "generate/surface_check.hpp"
 #include "generate/tetgen_volume.hpp"
 #include "tests/generate/expect_error.hpp"
-#include "tests/generate/surfaces.hpp"
+#include "tests/support/surfaces.hpp"
 
 /// TetGen loses some arrays when it ends with an error; that is no fault to report when leaks are looked for.
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer looks for this name.
@@ -38,8 +38,8 @@ void expect_filled(const ClosedSurface& s, const Volume& v) {
 }
 
 TEST(FillVolume, FillsSurfacesOfAllKinds) {
-  for (const MeshSlice& m : {test::cube(1), test::cube(5), test::l_shape(4), test::hollow_cube(6), test::sphere(3),
-                             test::both(test::sphere(2, 4), test::sphere(3, 1)),
+  for (const MeshSlice& m : {test::cube_surface(1), test::cube_surface(5), test::l_shape(4), test::hollow_cube(6),
+                             test::sphere(3), test::both(test::sphere(2, 4), test::sphere(3, 1)),
                              test::both(test::sphere(2), test::sphere(2, 1, {3, 0, 0}))}) {
     const ClosedSurface s = check_surface(test::mixed_up(m));
     const Volume v = fill_volume(s, {});
@@ -58,7 +58,7 @@ TEST(FillVolume, UsesSeedsInsideOnly) {
 }
 
 TEST(FillVolume, NamesTrianglesThatCutEachOther) {
-  MeshSlice m = test::both(test::cube(2), test::cube(1));
+  MeshSlice m = test::both(test::cube_surface(2), test::cube_surface(1));
   for (std::size_t v = m.coords.size() - 8; v < m.coords.size(); ++v) m.coords[v] += {0.63, 0.21, 0.17};
   m.path = "crossed.mesh";
   test::expect_error([&] { fill_volume(check_surface(m), {}); }, ExitCode::kInvalidMesh,
@@ -66,7 +66,7 @@ TEST(FillVolume, NamesTrianglesThatCutEachOther) {
 }
 
 TEST(Seeds, FollowASourceAwayFromTheSurface) {
-  const MeshSlice m = test::cube(2);
+  const MeshSlice m = test::cube_surface(2);
   const ClosedSurface s = check_surface(m);
   SpacingField f;
   f.sources.push_back({1, {Vec3{0.4, 0.55, 0.6}, {}, {}}, 1e-4, 0.002, 0.004});
@@ -84,12 +84,12 @@ TEST(Seeds, FollowASourceAwayFromTheSurface) {
 }
 
 TEST(Seeds, AreFewWhereTheSurfaceIsEven) {
-  const ClosedSurface s = check_surface(test::cube(10));
+  const ClosedSurface s = check_surface(test::cube_surface(10));
   EXPECT_LE(make_seeds(s.mesh, boundary_spacing(s.mesh), {}).size(), 64U);
 }
 
 TEST(CarryInward, GrowsSlowlyOverAThousandToOne) {
-  const MeshSlice m = test::both(test::cube(2), test::sphere(3, 1e-3, {0.5, 0.5, 0.5}));
+  const MeshSlice m = test::both(test::cube_surface(2), test::sphere(3, 1e-3, {0.5, 0.5, 0.5}));
   const ClosedSurface s = check_surface(m);
   std::vector<double> spacing = boundary_spacing(s.mesh);
   const double largest = *std::max_element(spacing.begin(), spacing.end());

@@ -11,40 +11,18 @@
 
 #include "comm/file.hpp"
 #include "io/keywords.hpp"
+#include "tests/support/whole_mesh.hpp"
 
 namespace skein::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::array<GlobalId, 4> tet_of(const std::array<std::int64_t, 8>& cube, const std::array<int, 3>& order) {
-  int corner = 0;
-  std::array<GlobalId, 4> t{};
-  t[0] = GlobalId{cube[0]};
-  for (std::size_t k = 0; k < 3; ++k) {
-    corner |= 1 << order[k];
-    t[k + 1] = GlobalId{cube[corner]};
-  }
-  return t;
-}
-
-void add_cube(MeshSlice& m, const std::array<std::int64_t, 8>& cube) {
-  constexpr std::array<std::array<int, 3>, 6> kOrders{
-      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
-  for (std::size_t i = 0; i < 6; ++i) {
-    auto t = tet_of(cube, kOrders[i]);
-    if (i >= 3) std::swap(t[2], t[3]);  // odd permutations are mirrored
-    m.tets.verts.push_back(t);
-    m.tets.ref.push_back(static_cast<std::int32_t>(m.tets.ref.size() % 5) - 2);
-  }
-}
-
 void add_hull(MeshSlice& m) {
   using Face = std::array<GlobalId, 3>;
-  constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
   std::vector<std::pair<Face, Face>> faces;  // sorted vertices, vertices
   for (const auto& t : m.tets.verts) {
-    for (const auto& f : kFaces) {
+    for (const auto& f : kFaceVerts) {
       const Face face{t[f[0]], t[f[1]], t[f[2]]};
       Face key = face;
       std::ranges::sort(key);
@@ -123,36 +101,27 @@ void expect_place(const Comm& comm, std::int64_t first, std::int64_t size, std::
 
 MeshSlice whole_box(int n) {
   MeshSlice m;
-  const std::int64_t side = n + 1;
-  const auto vert = [&](std::int64_t i, std::int64_t j, std::int64_t k) { return i + side * (j + side * k); };
-  for (std::int64_t k = 0; k < side; ++k) {
-    for (std::int64_t j = 0; j < side; ++j) {
-      for (std::int64_t i = 0; i < side; ++i) {
-        const auto at = [&](std::int64_t c) { return static_cast<double>(c) / n; };
-        m.coords.push_back({at(i) / 3 - 1e-17, std::exp(at(j)), 1e-30 + at(k) * 7e5 / 11});
-        m.vert_ref.push_back(static_cast<std::int32_t>(i * j - k));
-      }
-    }
+  const Lattice lattice{n};
+  const WholeMesh box = cells(n);
+  for (std::size_t v = 0; v < box.coords.size(); ++v) {
+    const Vec3 x = box.coords[v];
+    const auto [i, j, k] = lattice.place(static_cast<std::int64_t>(v));
+    m.coords.push_back({x.x / 3 - 1e-17, std::exp(x.y), 1e-30 + x.z * 7e5 / 11});
+    m.vert_ref.push_back(i * j - k);
   }
-  for (std::int64_t k = 0; k < n; ++k) {
-    for (std::int64_t j = 0; j < n; ++j) {
-      for (std::int64_t i = 0; i < n; ++i) {
-        std::array<std::int64_t, 8> cube{};
-        for (std::int64_t c = 0; c < 8; ++c) {
-          cube[c] = vert(i + (c & 1), j + ((c >> 1) & 1), k + (c >> 2));
-        }
-        add_cube(m, cube);
-      }
-    }
+  for (const auto& t : box.tets) {
+    m.tets.ref.push_back(static_cast<std::int32_t>(m.tets.verts.size() % 5) - 2);
+    m.tets.verts.push_back({GlobalId{t[0]}, GlobalId{t[1]}, GlobalId{t[2]}, GlobalId{t[3]}});
   }
   add_hull(m);
-  for (std::int64_t i = 0; i < n; ++i) {
-    m.edges.verts.push_back({GlobalId{vert(i, 0, 0)}, GlobalId{vert(i + 1, 0, 0)}});
-    m.edges.ref.push_back(static_cast<std::int32_t>(-i));
+  const auto vert = [&](int i, int j, int k) { return GlobalId{lattice.number(i, j, k)}; };
+  for (int i = 0; i < n; ++i) {
+    m.edges.verts.push_back({vert(i, 0, 0), vert(i + 1, 0, 0)});
+    m.edges.ref.push_back(-i);
   }
-  m.corners.verts = {GlobalId{0}, GlobalId{n}, GlobalId{vert(n, n, n)}};
+  m.corners.verts = {GlobalId{0}, GlobalId{n}, vert(n, n, n)};
   m.ridges.verts = {GlobalId{n - 1}, GlobalId{0}};
-  m.required_verts.verts = {GlobalId{vert(n, n, 0)}};
+  m.required_verts.verts = {vert(n, n, 0)};
   m.required_edges.verts = {GlobalId{0}};
   m.required_triangles.verts = {GlobalId{1}, GlobalId{3}, GlobalId{2}};
   m.total_verts = static_cast<std::int64_t>(m.coords.size());

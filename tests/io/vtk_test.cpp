@@ -50,7 +50,7 @@ std::int64_t piece_points(const MeshSlice& mine) {
   for (const auto& t : mine.tets.verts) verts.insert(verts.end(), t.begin(), t.end());
   for (const auto& t : mine.triangles.verts) verts.insert(verts.end(), t.begin(), t.end());
   std::ranges::sort(verts);
-  verts.erase(std::ranges::unique(verts).begin(), verts.end());
+  verts.erase(std::unique(verts.begin(), verts.end()), verts.end());
   return world().sum(static_cast<std::int64_t>(verts.size()));
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kernel/part.hpp"
-#include "tests/mesh/meshes.hpp"
+#include "tests/support/tet_meshes.hpp"
 
 namespace skein::test {
 

@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "mesh/check.hpp"
-#include "tests/mesh/meshes.hpp"
+#include "tests/support/tet_meshes.hpp"
 
 namespace skein::test {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "mesh/check.hpp"
 #include "mesh/surroundings.hpp"
-#include "tests/mesh/meshes.hpp"
+#include "tests/support/tet_meshes.hpp"
 
 namespace skein::test {
 namespace {

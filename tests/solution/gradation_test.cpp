@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "metric/gradation.hpp"
-#include "tests/solution/cube.hpp"
+#include "tests/support/dealt_cube.hpp"
 
 namespace skein {
 namespace {
 
-using test::Cube;
+using test::DealtCube;
 using test::sample;
 using test::world;
 
@@ -52,7 +52,7 @@ struct Sizes {
   GradationReport report;
 };
 template <class F>
-Sizes graded_sizes(const Comm& comm, const Cube& cube, double growth, F f) {
+Sizes graded_sizes(const Comm& comm, const DealtCube& cube, double growth, F f) {
   Sizes s{cube.part(comm), {}, {}, {}};
   s.before = s.after = sample(s.dist, f);
   s.report = grade_sizes(comm, s.dist, Halo(comm, s.dist.sharing), growth, s.after);
@@ -60,7 +60,7 @@ Sizes graded_sizes(const Comm& comm, const Cube& cube, double growth, F f) {
 }
 
 TEST(GradeSizes, bounds_growth_on_every_edge_and_makes_nothing_coarser) {
-  const auto s = graded_sizes(world(), Cube{12, 0.2}, kGrowth, spots);
+  const auto s = graded_sizes(world(), DealtCube{12, 0.2}, kGrowth, spots);
   for_each_edge(s.dist, [&](VertId v, VertId w, Vec3 e) {
     const double h = s.after[idx(v)], slope = std::log(kGrowth);
     EXPECT_LE(s.after[idx(w)], (h + slope * norm(e)) * (1 + 1e-15));
@@ -75,7 +75,7 @@ TEST(GradeSizes, bounds_growth_on_every_edge_and_makes_nothing_coarser) {
 }
 
 TEST(GradeSizes, number_of_ranks_does_not_change_a_bit) {
-  const Cube cube{12, 0.2};
+  const DealtCube cube{12, 0.2};
   const auto alone = graded_sizes(Comm::self(), cube, kGrowth, spots),
              mine = graded_sizes(world(), cube, kGrowth, spots);
   for (const VertId v : IdRange<VertId>(mine.after.size()))
@@ -85,24 +85,25 @@ TEST(GradeSizes, number_of_ranks_does_not_change_a_bit) {
 
 TEST(GradeSizes, keeps_what_is_graded_already) {
   const auto s =
-      graded_sizes(world(), Cube{8, 0.2}, kGrowth, [](Vec3 x) { return 0.1 + 0.99 * std::log(kGrowth) * x.x; });
+      graded_sizes(world(), DealtCube{8, 0.2}, kGrowth, [](Vec3 x) { return 0.1 + 0.99 * std::log(kGrowth) * x.x; });
   EXPECT_EQ(s.after, s.before);
   EXPECT_EQ(s.report.lowered, 0);
-  auto again = graded_sizes(world(), Cube{8, 0.2}, kGrowth, spots);
+  auto again = graded_sizes(world(), DealtCube{8, 0.2}, kGrowth, spots);
   const auto once = again.after;
   static_cast<void>(grade_sizes(world(), again.dist, Halo(world(), again.dist.sharing), kGrowth, again.after));
   EXPECT_EQ(again.after, once);
 }
 
 TEST(GradeSizes, ranks_without_tetrahedra_are_fine) {
-  const auto s = graded_sizes(world(), Cube{1, 0}, kGrowth, [](Vec3 x) { return x.x + x.y + x.z < 0.5 ? 0.01 : 10; });
+  const auto s =
+      graded_sizes(world(), DealtCube{1, 0}, kGrowth, [](Vec3 x) { return x.x + x.y + x.z < 0.5 ? 0.01 : 10; });
   for_each_edge(s.dist, [&](VertId v, VertId w, Vec3 e) {
     EXPECT_LE(s.after[idx(w)], s.after[idx(v)] + std::log(kGrowth) * norm(e) + 1e-15);
   });
 }
 
 TEST(GradeSizes, bad_input_is_refused_on_all_ranks) {
-  const DistMesh dist = Cube{3, 0}.part(world());
+  const DistMesh dist = DealtCube{3, 0}.part(world());
   const Halo halo(world(), dist.sharing);
   std::vector<double> h(dist.mesh.vert_slots(), 1);
   EXPECT_THROW(static_cast<void>(grade_sizes(world(), dist, halo, 1, h)), AgreedError);
@@ -115,7 +116,7 @@ struct Metrics {
   std::vector<SymTensor> before, after;
   GradationReport report;
 };
-Metrics graded_metric(const Comm& comm, const Cube& cube, double growth) {
+Metrics graded_metric(const Comm& comm, const DealtCube& cube, double growth) {
   Metrics m{cube.part(comm), {}, {}, {}};
   m.before = m.after = layers(m.dist);
   m.report = grade_metric(comm, m.dist, growth, m.after);
@@ -123,7 +124,7 @@ Metrics graded_metric(const Comm& comm, const Cube& cube, double growth) {
 }
 
 TEST(GradeMetric, bounds_growth_in_every_direction_on_every_edge) {
-  const auto m = graded_metric(world(), Cube{10, 0.2}, kGrowth);
+  const auto m = graded_metric(world(), DealtCube{10, 0.2}, kGrowth);
   EXPECT_TRUE(m.report.converged);
   EXPECT_GT(m.report.lowered, m.dist.global_verts / 4);
   const std::array<Vec3, 6> directions{Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, -2, 1}, {0.3, 1, -1}};
@@ -137,7 +138,7 @@ TEST(GradeMetric, bounds_growth_in_every_direction_on_every_edge) {
 }
 
 TEST(GradeMetric, makes_nothing_coarser_and_repeats_itself) {
-  auto m = graded_metric(world(), Cube{8, 0.2}, kGrowth);
+  auto m = graded_metric(world(), DealtCube{8, 0.2}, kGrowth);
   for (std::size_t i = 0; i < m.after.size(); ++i) {
     for (const Vec3 d : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{1, 1, 0}, Vec3{1, -2, 1}})
       EXPECT_GE(quad(m.after[i], d), quad(m.before[i], d) * (1 - 1e-9));
@@ -153,7 +154,7 @@ TEST(GradeMetric, makes_nothing_coarser_and_repeats_itself) {
 }
 
 TEST(GradeMetric, number_of_ranks_does_not_change_a_bit) {
-  const Cube cube{10, 0.2};
+  const DealtCube cube{10, 0.2};
   const auto alone = graded_metric(Comm::self(), cube, kGrowth), mine = graded_metric(world(), cube, kGrowth);
   for (const VertId v : IdRange<VertId>(mine.after.size()))
     EXPECT_EQ(mine.after[idx(v)], alone.after[idx(mine.dist.vert2gid[v])]);
@@ -162,7 +163,7 @@ TEST(GradeMetric, number_of_ranks_does_not_change_a_bit) {
 }
 
 TEST(GradeMetric, of_an_isotropic_metric_is_that_of_the_sizes) {
-  const auto s = graded_sizes(world(), Cube{10, 0.2}, kGrowth, spots);
+  const auto s = graded_sizes(world(), DealtCube{10, 0.2}, kGrowth, spots);
   std::vector<SymTensor> m;
   for (const double h : s.before) m.push_back(isotropic(1 / (h * h)));
   static_cast<void>(grade_metric(world(), s.dist, kGrowth, m));

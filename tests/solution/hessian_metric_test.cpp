@@ -5,12 +5,12 @@
 
 #include "metric/complexity.hpp"
 #include "solution/hessian.hpp"
-#include "tests/solution/cube.hpp"
+#include "tests/support/dealt_cube.hpp"
 
 namespace skein {
 namespace {
 
-using test::Cube;
+using test::DealtCube;
 using test::sample;
 using test::world;
 
@@ -25,7 +25,7 @@ SymTensor wild_hessian(Vec3 x) {
 }
 
 struct Fixture {
-  DistMesh dist = Cube{8, 0.1}.part(world());
+  DistMesh dist = DealtCube{8, 0.1}.part(world());
   std::vector<SymTensor> hessian, metric;
   Fixture() : metric(dist.mesh.vert_slots()) {
     for (const Vec3 x : dist.mesh.coords) hessian.push_back(wild_hessian(x));
@@ -103,7 +103,7 @@ TEST(HessianMetric, a_linear_solution_gives_a_uniform_mesh) {
 }
 
 TEST(HessianMetric, number_of_ranks_changes_rounding_only) {
-  const Cube cube{7, 0.1};
+  const DealtCube cube{7, 0.1};
   const auto run = [&](const Comm& comm) {
     const DistMesh dist = cube.part(comm);
     const auto f = [](Vec3 x) { return std::tanh(20 * (x.x + 0.3 * x.y - 0.6)); };

@@ -6,12 +6,13 @@
 #include <bit>
 #include <limits>
 
-#include "tests/solution/cube.hpp"
+#include "tests/support/dealt_cube.hpp"
 
 namespace skein {
 namespace {
 
-using test::Cube;
+using test::DealtCube;
+using test::Lattice;
 using test::sample;
 using test::world;
 
@@ -27,7 +28,7 @@ struct Recovered {
 };
 
 template <class F>
-Recovered recover(const Comm& comm, const Cube& cube, F f) {
+Recovered recover(const Comm& comm, const DealtCube& cube, F f) {
   Recovered r{cube.part(comm), {}, {}};
   const Halo halo(comm, r.dist.sharing);
   const auto scalar = sample(r.dist, f);
@@ -38,7 +39,7 @@ Recovered recover(const Comm& comm, const Cube& cube, F f) {
 
 /// Largest difference to the exact Hessian at vertices `from` cells and more away from the hull.
 template <class F, class H>
-double worst_hessian(const Cube& cube, int from, F f, H exact) {
+double worst_hessian(const DealtCube& cube, int from, F f, H exact) {
   const auto r = recover(world(), cube, f);
   double worst = 0;
   for (const VertId v : IdRange<VertId>(r.hessian.size())) {
@@ -58,36 +59,36 @@ SymTensor bend_of_waves(Vec3 x) {
 
 TEST(Hessian, linear_functions_have_their_gradient_everywhere_and_no_curvature) {
   for (const double shake : {0.0, 0.2}) {
-    const auto r = recover(world(), Cube{6, shake}, [](Vec3 x) { return 3 * x.x - 2 * x.y + 0.5 * x.z + 7; });
+    const auto r = recover(world(), DealtCube{6, shake}, [](Vec3 x) { return 3 * x.x - 2 * x.y + 0.5 * x.z + 7; });
     for (const Vec3 g : r.gradient) EXPECT_LT(norm(g - Vec3{3, -2, 0.5}), 1e-12);
     for (const auto& h : r.hessian) EXPECT_LT(difference(h, {}), 1e-10);
   }
 }
 
 TEST(Hessian, constants_have_no_derivative_at_all) {
-  const auto r = recover(world(), Cube{4, 0.2}, [](Vec3) { return 1e8 + 0.1; });
+  const auto r = recover(world(), DealtCube{4, 0.2}, [](Vec3) { return 1e8 + 0.1; });
   for (const auto& h : r.hessian) EXPECT_EQ(h, SymTensor{});
 }
 
 TEST(Hessian, quadratic_functions_are_exact_two_cells_inside_a_regular_mesh) {
-  EXPECT_LT(worst_hessian(Cube{8, 0}, 2, quadratic, [](Vec3) { return kBend; }), 1e-9);
+  EXPECT_LT(worst_hessian(DealtCube{8, 0}, 2, quadratic, [](Vec3) { return kBend; }), 1e-9);
 }
 
 TEST(Hessian, is_within_a_bound_of_the_truth_up_to_the_hull) {
   const auto exact = [](Vec3) { return kBend; };
-  EXPECT_LT(worst_hessian(Cube{8, 0}, 0, quadratic, exact), 0.15 * 4);
-  EXPECT_LT(worst_hessian(Cube{8, 0.2}, 0, quadratic, exact), 0.3 * 4);
+  EXPECT_LT(worst_hessian(DealtCube{8, 0}, 0, quadratic, exact), 0.15 * 4);
+  EXPECT_LT(worst_hessian(DealtCube{8, 0.2}, 0, quadratic, exact), 0.3 * 4);
 }
 
 TEST(Hessian, converges_inside_with_the_square_of_the_cell) {
-  const double coarse = worst_hessian(Cube{8, 0}, 2, waves, bend_of_waves);
-  const double fine = worst_hessian(Cube{16, 0}, 4, waves, bend_of_waves);
+  const double coarse = worst_hessian(DealtCube{8, 0}, 2, waves, bend_of_waves);
+  const double fine = worst_hessian(DealtCube{16, 0}, 4, waves, bend_of_waves);
   EXPECT_LT(fine, 0.35 * coarse);
   EXPECT_LT(fine, 0.1 * 9);
 }
 
 TEST(Hessian, number_of_ranks_changes_rounding_only_and_copies_are_equal) {
-  const Cube cube{7, 0.2};
+  const DealtCube cube{7, 0.2};
   const auto alone = recover(Comm::self(), cube, waves);
   const auto r = recover(world(), cube, waves);
   std::vector<double> numbers;
@@ -102,10 +103,10 @@ TEST(Hessian, number_of_ranks_changes_rounding_only_and_copies_are_equal) {
 }
 
 TEST(Hessian, values_that_are_not_finite_are_refused_with_their_vertex) {
-  const Cube cube{4, 0};
+  const DealtCube cube{4, 0};
   const DistMesh dist = cube.part(world());
   const Halo halo(world(), dist.sharing);
-  const std::int64_t bad = cube.gid(2, 2, 3);
+  const std::int64_t bad = Lattice{cube.n}.number(2, 2, 3);
   std::vector<double> scalar(dist.mesh.vert_slots(), 1.0);
   for (const VertId v : IdRange<VertId>(scalar.size())) {
     if (dist.vert2gid[v] == GlobalId{bad}) scalar[idx(v)] = std::numeric_limits<double>::quiet_NaN();

@@ -8,12 +8,12 @@
 #include "comm/phase_log.hpp"
 #include "dist/distribute.hpp"
 #include "mesh/adjacency.hpp"
-#include "tests/solution/cube.hpp"
+#include "tests/support/dealt_cube.hpp"
 
 namespace skein {
 namespace {
 
-using test::Cube;
+using test::DealtCube;
 using test::world;
 
 constexpr int kWidth = 4;
@@ -32,13 +32,13 @@ VertexData fields_at(const DistMesh& dist, F f) {
 
 /// The cube with adjacency, its points moved by `place`.
 template <class Move>
-DistMesh moved(const Comm& comm, const Cube& cube, Move place) {
+DistMesh moved(const Comm& comm, const DealtCube& cube, Move place) {
   DistMesh dist = cube.part(comm);
   build_adjacency(dist.mesh);
   for (Vec3& x : dist.mesh.coords) x = place(x);
   return dist;
 }
-DistMesh plain(const Comm& comm, const Cube& cube) {
+DistMesh plain(const Comm& comm, const DealtCube& cube) {
   return moved(comm, cube, [](Vec3 x) { return x; });
 }
 
@@ -63,7 +63,7 @@ void expect_linear(const std::vector<Vec3>& points, const VertexData& got) {
 }
 
 TEST(Transfer, linear_fields_are_exact_anywhere) {
-  const DistMesh dist = plain(world(), Cube{9, 0.3});
+  const DistMesh dist = plain(world(), DealtCube{9, 0.3});
   const Background old(world(), dist, fields_at(dist, linear));
   for (const int threads : {1, 3}) {
     const auto points = scattered(5000);
@@ -76,7 +76,7 @@ TEST(Transfer, linear_fields_are_exact_anywhere) {
 }
 
 TEST(Transfer, threads_do_not_change_a_bit) {
-  const DistMesh dist = plain(world(), Cube{6, 0.3});
+  const DistMesh dist = plain(world(), DealtCube{6, 0.3});
   const Background old(world(), dist, fields_at(dist, [](Vec3 x) {
                          return std::array<double, kWidth>{std::sin(9 * x.x), x.y * x.z, std::exp(x.z), 1};
                        }));
@@ -85,7 +85,7 @@ TEST(Transfer, threads_do_not_change_a_bit) {
 }
 
 TEST(Transfer, old_vertices_keep_their_values_bit_by_bit) {
-  const DistMesh dist = plain(world(), Cube{7, 0.3});
+  const DistMesh dist = plain(world(), DealtCube{7, 0.3});
   const auto wild = [](Vec3 x) {
     return std::array<double, kWidth>{std::sin(1e3 * x.x), 1 / (0.1 + x.y), 1e-9 * x.z, std::cos(1e4 * (x.x + x.z))};
   };
@@ -95,14 +95,14 @@ TEST(Transfer, old_vertices_keep_their_values_bit_by_bit) {
 }
 
 TEST(Transfer, ranks_without_tetrahedra_or_points_are_fine) {
-  const DistMesh dist = plain(world(), Cube{1, 0});
+  const DistMesh dist = plain(world(), DealtCube{1, 0});
   const Background old(world(), dist, fields_at(dist, linear));
   const auto points = scattered(num(world().rank()) + 1 == world().size() ? 200 : 0);
   expect_linear(points, old.at(points));
 }
 
 TEST(Transfer, points_outside_take_the_nearest_point) {
-  const DistMesh dist = plain(world(), Cube{8, 0.2});
+  const DistMesh dist = plain(world(), DealtCube{8, 0.2});
   const Background old(world(), dist, fields_at(dist, linear));
   auto points = scattered(500), nearest = points;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -128,7 +128,8 @@ TEST(Transfer, on_a_curved_boundary_the_error_is_within_its_deviation) {
     return Vec3{r * std::cos(a), r * std::sin(a), x.z};
   };
   constexpr int kCells = 6;
-  const DistMesh dist = moved(world(), Cube{kCells, 0}, ring), fine = moved(world(), Cube{3 * kCells, 0}, ring);
+  const DistMesh dist = moved(world(), DealtCube{kCells, 0}, ring),
+                 fine = moved(world(), DealtCube{3 * kCells, 0}, ring);
   const Background old(world(), dist, fields_at(dist, linear));
   TransferReport report;
   const VertexData got = old.at_vertices(fine, 1, &report);
@@ -146,14 +147,14 @@ TEST(Transfer, on_a_curved_boundary_the_error_is_within_its_deviation) {
 }
 
 TEST(Transfer, fields_that_do_not_fit_are_refused_on_all_ranks) {
-  const DistMesh dist = plain(world(), Cube{3, 0});
+  const DistMesh dist = plain(world(), DealtCube{3, 0});
   VertexData fields = fields_at(dist, linear);
   if (world().is_root()) fields.values.pop_back();
   EXPECT_THROW(Background(world(), dist, fields), AgreedError);
 }
 
 /// The slices of a file with the cube.
-MeshSlice cube_slices(const Cube& cube) {
+MeshSlice cube_slices(const DealtCube& cube) {
   const DistMesh whole = cube.part(Comm::self());
   MeshSlice s;
   s.path = "cube";

@@ -1,14 +1,13 @@
 // adapt() on several ranks and threads: valid, everything kept, fits the metric, as good as on one rank, the same
 // bytes.
-#include "adapt/adapt.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
 
+#include "adapt/adapt.hpp"
 #include "metric/tensor.hpp"
 #include "report/statistics.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
@@ -50,7 +49,9 @@ std::vector<Case> cases(int threads = 1) {
           {"regions", 6, true, uniform(0.09)}};
 }
 
-DistMesh make(const Comm& comm, const Case& c) { return with_metric(comm, cube(c.n, c.regions, c.regions), c.metric); }
+DistMesh make(const Comm& comm, const Case& c) {
+  return with_metric(comm, cube(c.n, c.regions ? Regions::kTwoTagged : Regions::kOne), c.metric);
+}
 
 void run(const Comm& comm, DistMesh& dist, int threads, bool surface = true) {
   AdaptOptions options;

@@ -1,4 +1,4 @@
-// Meshes and comparisons for the tests of partition: cubes of cells cut into six tetrahedra, as slices of a file.
+// Whole meshes as slices of a file and as distributed meshes, and what no redistribution may change in them.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -18,77 +18,9 @@
 #include "mesh/check.hpp"
 #include "mesh/mesh_slice.hpp"
 #include "metric/tensor.hpp"
+#include "tests/support/whole_mesh.hpp"
 
 namespace skein::test {
-
-/// A whole mesh, the same on every rank; numbers from 0.
-struct Whole {
-  std::vector<Vec3> coords;
-  std::vector<std::array<std::int64_t, 4>> tets;
-  std::vector<std::int32_t> tet_ref;
-  std::vector<std::array<std::int64_t, 3>> tris;
-  std::vector<std::int32_t> tri_ref;
-  std::vector<std::array<std::int64_t, 2>> edges;
-  std::vector<std::int32_t> edge_ref;
-  std::vector<std::int64_t> corners, ridges, required_verts, required_tris;
-};
-
-/// n^3 cells of the unit cube. Sides have references 1 to 6 (x=0, x=1, y=0, ...). With `regions`, cells with x >= 1/2
-/// have tetrahedron reference 2 and the rest 1, and the faces between have reference 7 if `internal`. @pre n even for
-/// regions
-inline Whole cube(int n, bool regions = false, bool internal = false) {
-  Whole w;
-  const int s = n + 1;
-  const auto at = [&](int i, int j, int k) { return (static_cast<std::int64_t>(k) * s + j) * s + i; };
-  for (int k = 0; k < s; ++k) {
-    for (int j = 0; j < s; ++j) {
-      for (int i = 0; i < s; ++i) w.coords.push_back({double(i) / n, double(j) / n, double(k) / n});
-    }
-  }
-  constexpr std::array<std::array<int, 3>, 6> order{{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
-  for (int k = 0; k < n; ++k) {
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
-        for (std::size_t o = 0; o < 6; ++o) {
-          std::array<int, 3> p{i, j, k};
-          std::array<std::int64_t, 4> t{at(i, j, k)};
-          for (std::size_t a = 0; a < 3; ++a) {
-            ++p[order[o][a]];
-            t[a + 1] = at(p[0], p[1], p[2]);
-          }
-          const auto x = [&](std::size_t v) { return w.coords[t[v]]; };
-          if (volume6(x(0), x(1), x(2), x(3)) < 0) std::swap(t[2], t[3]);
-          w.tets.push_back(t);
-          w.tet_ref.push_back(regions && 2 * i >= n ? 2 : 1);
-        }
-      }
-    }
-  }
-  for (std::size_t t = 0; t < w.tets.size(); ++t) {
-    for (const auto& f : kFaceVerts) {
-      std::array<std::int64_t, 3> v;
-      std::array<Vec3, 3> x;
-      for (std::size_t c = 0; c < 3; ++c) {
-        v[c] = w.tets[t][f[c]];
-        x[c] = w.coords[v[c]];
-      }
-      const auto all = [&](double Vec3::*axis, double value) {
-        return x[0].*axis == value && x[1].*axis == value && x[2].*axis == value;
-      };
-      int ref = 0;
-      const std::array<double Vec3::*, 3> axes{&Vec3::x, &Vec3::y, &Vec3::z};
-      for (int a = 0; a < 3; ++a) {
-        if (all(axes[a], 0)) ref = 2 * a + 1;
-        if (all(axes[a], 1)) ref = 2 * a + 2;
-      }
-      if (ref == 0 && internal && w.tet_ref[t] == 1 && all(&Vec3::x, 0.5)) ref = 7;
-      if (ref == 0) continue;
-      w.tris.push_back(v);
-      w.tri_ref.push_back(ref);
-    }
-  }
-  return w;
-}
 
 template <std::size_t N>
 void cut(const Comm& comm, const std::vector<std::array<std::int64_t, N>>& all, const std::vector<std::int32_t>& ref,
@@ -111,7 +43,7 @@ inline void cut(const Comm& comm, const std::vector<std::int64_t>& all, VertexLi
 }
 
 /// This rank's even slices.
-inline MeshSlice slices(const Comm& comm, const Whole& w) {
+inline MeshSlice slices(const Comm& comm, const WholeMesh& w) {
   MeshSlice m;
   m.path = "cube.mesh";
   m.total_verts = static_cast<std::int64_t>(w.coords.size());
@@ -237,7 +169,7 @@ inline bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, Globa
 
 /// Collective. The whole mesh on all ranks with the log-metric log_metric(x) as data.
 template <class LogMetric>
-DistMesh with_metric(const Comm& comm, const Whole& whole, LogMetric&& log_metric) {
+DistMesh with_metric(const Comm& comm, const WholeMesh& whole, LogMetric&& log_metric) {
   const MeshSlice file = slices(comm, whole);
   FieldSlice f;
   f.path = "cube.sol";

@@ -1,5 +1,5 @@
-// Meshes for tests.
-#include "tests/mesh/meshes.hpp"
+// Meshes for tests of one part.
+#include "tests/support/tet_meshes.hpp"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 
 #include "mesh/adjacency.hpp"
 #include "mesh/predicates.hpp"
+#include "tests/support/whole_mesh.hpp"
 
 namespace skein::test {
 namespace {
@@ -30,49 +31,23 @@ Vec3 bend(Shape shape, Vec3 x) {
   return x;
 }
 
-/// The side of the unit cube, 0..5, on which three points lie; 6 for the middle plane; -1 otherwise.
-int side_of(const std::array<Vec3, 3>& x, bool middle) {
-  const std::array<double Vec3::*, 3> axes{&Vec3::x, &Vec3::y, &Vec3::z};
-  for (int a = 0; a < 3; ++a) {
-    for (int end = 0; end < 2; ++end) {
-      if (std::all_of(x.begin(), x.end(), [&](const Vec3& p) { return p.*axes[a] == end; })) {
-        return 2 * a + end;
-      }
-    }
+/// The cells as a mesh without adjacency.
+TetMesh mesh_of(const WholeMesh& cells) {
+  TetMesh m;
+  m.coords = IdVector<VertId, Vec3>(cells.coords);
+  for (const auto& t : cells.tets) {
+    m.tet2vert.push_back({to_id<VertId>(t[0]), to_id<VertId>(t[1]), to_id<VertId>(t[2]), to_id<VertId>(t[3])});
   }
-  return middle && std::all_of(x.begin(), x.end(), [](const Vec3& p) { return p.x == 0.5; }) ? 6 : -1;
-}
-
-void add_cells(TetMesh& m, int n) {
-  const int s = n + 1;
-  for (int k = 0; k < s; ++k) {
-    for (int j = 0; j < s; ++j) {
-      for (int i = 0; i < s; ++i) m.coords.push_back({double(i) / n, double(j) / n, double(k) / n});
-    }
-  }
-  constexpr std::array<std::array<int, 3>, 6> kOrders{
-      {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
-  for (int cell = 0; cell < n * n * n; ++cell) {
-    for (const auto& order : kOrders) {
-      std::array<int, 3> p{cell % n, cell / n % n, cell / (n * n)};
-      std::array<VertId, 4> t;
-      for (std::size_t a = 0;; ++a) {
-        t[a] = VertId{(p[2] * s + p[1]) * s + p[0]};
-        if (a == 3) break;
-        ++p[order[a]];
-      }
-      if (volume6(m.coords[t[0]], m.coords[t[1]], m.coords[t[2]], m.coords[t[3]]) < 0) std::swap(t[2], t[3]);
-      m.tet2vert.push_back(t);
-      m.tet_ref.push_back(1);
-    }
-  }
+  m.tet_ref = IdVector<TetId, std::int32_t>(cells.tet_ref);
+  return m;
 }
 
 void tag_faces(TetMesh& m, const MeshSpec& spec, std::mt19937& random) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     for (std::size_t f = 0; f < 4; ++f) {
       const auto v = m.verts(make_face(t, f));
-      const int side = side_of({m.coords[v[0]], m.coords[v[1]], m.coords[v[2]]}, spec.two_regions);
+      const std::array x{m.coords[v[0]], m.coords[v[1]], m.coords[v[2]]};
+      const int side = spec.two_regions && in_middle_plane(x) ? 6 : side_of_cube(x);
       if (side < 0) continue;
       FaceTag& tag = m.face_tag[t][f];
       if (tag != 0) continue;  // the other side came first
@@ -156,8 +131,7 @@ void find_features(TetMesh& m) {
 
 TetMesh make_mesh(const MeshSpec& spec) {
   std::mt19937 random(spec.seed);
-  TetMesh m;
-  add_cells(m, spec.n);
+  TetMesh m = mesh_of(cells(spec.n));
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     double x = 0;
     for (const VertId v : m.tet2vert[t]) x += m.coords[v].x / 4;

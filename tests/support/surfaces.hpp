@@ -70,7 +70,7 @@ inline MeshSlice voxel_surface(int n, double h, const Inside& inside) {
   return m;
 }
 
-inline MeshSlice cube(int n) {
+inline MeshSlice cube_surface(int n) {
   return voxel_surface(n, 1.0 / n, [](int, int, int) { return true; });
 }
 /// The unit cube without its quarter x > 1/2, y > 1/2. @pre n is even.

@@ -1,18 +1,17 @@
 // Volume generation as a whole: valid, the surface's volume and patches, the wanted spacing, the same on any rank
 // count.
-#include "generate/generate.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "dist/reconcile.hpp"
+#include "generate/generate.hpp"
 #include "generate/slices.hpp"
 #include "generate/surface_check.hpp"
 #include "mesh/check.hpp"
 #include "report/statistics.hpp"
 #include "tests/generate/expect_error.hpp"
-#include "tests/generate/surfaces.hpp"
+#include "tests/support/surfaces.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein {
@@ -72,7 +71,7 @@ void expect_volume_mesh(const Generated& g, const MeshSlice& whole) {
 }
 
 TEST(Generate, FillsFlatSidedSurfacesExactly) {
-  for (const MeshSlice& whole : {test::cube(6), test::l_shape(6), test::hollow_cube(6)}) {
+  for (const MeshSlice& whole : {test::cube_surface(6), test::l_shape(6), test::hollow_cube(6)}) {
     const Generated g = run(world(), sliced(test::mixed_up(whole)), {});
     expect_volume_mesh(g, whole);
     EXPECT_NEAR(g.stats.volume, check_surface(whole).volume, 1e-10);
@@ -97,7 +96,7 @@ TEST(Generate, KeepsTheSurfaceWhenTold) {
 }
 
 TEST(Generate, MeetsTheSpacingOfSources) {
-  const MeshSlice whole = test::cube(4);
+  const MeshSlice whole = test::cube_surface(4);
   GenerateOptions options;
   options.sources.sources.push_back({1, {Vec3{0.3, 0.4, 0.5}, {}, {}}, 0.03, 0.05, 0.25});
   options.size_max = 0.2;
@@ -111,7 +110,7 @@ TEST(Generate, MeetsTheSpacingOfSources) {
 }
 
 TEST(Generate, GradesOverAThousandToOne) {
-  const MeshSlice whole = test::both(test::cube(2), test::sphere(2, 1e-3, {0.5, 0.5, 0.5}));
+  const MeshSlice whole = test::both(test::cube_surface(2), test::sphere(2, 1e-3, {0.5, 0.5, 0.5}));
   const Generated g = run(world(), sliced(whole), {});
   EXPECT_EQ(check(g.dist.mesh), "");
   EXPECT_EQ(g.stats.nonpositive_tets, 0);
@@ -134,7 +133,7 @@ TEST(Generate, GivesTheSameMeshStatisticsOnOneRank) {
 }
 
 TEST(Generate, FailsOnAllRanksAlike) {
-  MeshSlice open = test::cube(2);
+  MeshSlice open = test::cube_surface(2);
   open.path = "open.mesh";
   open.triangles.verts.pop_back();
   open.triangles.ref.pop_back();

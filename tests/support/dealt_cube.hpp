@@ -10,30 +10,24 @@
 #include <vector>
 
 #include "dist/dist_mesh.hpp"
+#include "tests/support/whole_mesh.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
 
-struct Cube {
+struct DealtCube {
   int n;         ///< cells per side
   double shake;  ///< inner vertices move by up to this part of a cell
 
-  [[nodiscard]] std::int64_t gid(int i, int j, int k) const {
-    return (static_cast<std::int64_t>(k) * (n + 1) + j) * (n + 1) + i;
-  }
-  [[nodiscard]] std::array<int, 3> lattice(std::int64_t g) const {
-    const std::int64_t s = n + 1;
-    return {static_cast<int>(g % s), static_cast<int>(g / s % s), static_cast<int>(g / s / s)};
-  }
   /// How many cells the vertex is away from the hull.
   [[nodiscard]] int depth(std::int64_t g) const {
-    const auto c = lattice(g);
+    const auto c = Lattice{n}.place(g);
     int d = n;
     for (const int x : c) d = std::min({d, x, n - x});
     return d;
   }
   [[nodiscard]] Vec3 coords(std::int64_t g) const {
-    const auto c = lattice(g);
+    const auto c = Lattice{n}.place(g);
     const double h = 1.0 / n;
     const double m = depth(g) > 0 ? shake * h : 0;
     const auto move = [&](double seed) { return m * std::sin(seed * static_cast<double>(g + 1)); };
@@ -54,25 +48,16 @@ std::vector<double> sample(const DistMesh& dist, F f) {
   return out;
 }
 
-inline DistMesh Cube::part(const Comm& comm) const {
-  constexpr std::array<std::array<int, 3>, 6> order{{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+inline DistMesh DealtCube::part(const Comm& comm) const {
   const int self = num(comm.rank());
   std::map<std::int64_t, std::set<int>> gid2ranks;
   std::vector<std::array<std::int64_t, 4>> tets;
-  for (int cell = 0; cell < n * n * n; ++cell) {
-    const std::array<int, 3> low{cell % n, cell / n % n, cell / n / n};
-    const int rank = owner(low[0], low[1], comm.size());
-    for (const auto& o : order) {
-      auto p = low;
-      std::array<std::int64_t, 4> t{gid(p[0], p[1], p[2])};
-      for (std::size_t a = 0; a < 3; ++a) {
-        ++p[o[a]];
-        t[a + 1] = gid(p[0], p[1], p[2]);
-      }
-      if (volume6(coords(t[0]), coords(t[1]), coords(t[2]), coords(t[3])) < 0) std::swap(t[2], t[3]);
-      for (const auto g : t) gid2ranks[g].insert(rank);
-      if (rank == self) tets.push_back(t);
-    }
+  const WholeMesh whole = cells(n);
+  for (std::size_t t = 0; t < whole.tets.size(); ++t) {
+    const auto cell = static_cast<int>(t / 6);
+    const int rank = owner(cell % n, cell / n % n, comm.size());
+    for (const auto g : whole.tets[t]) gid2ranks[g].insert(rank);
+    if (rank == self) tets.push_back(whole.tets[t]);
   }
   DistMesh dist;
   std::map<std::int64_t, VertId> gid2vert;
@@ -94,12 +79,9 @@ inline DistMesh Cube::part(const Comm& comm) const {
     std::array<FaceTag, 4> tags{};
     for (std::size_t k = 0; k < 4; ++k) verts[k] = gid2vert.at(t[k]);
     for (std::size_t f = 0; f < 4; ++f) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        for (const int side : {0, n}) {
-          const bool all = std::ranges::all_of(kFaceVerts[f], [&](int k) { return lattice(t[k])[axis] == side; });
-          if (all) tags[f] = kHullFace | 1;
-        }
-      }
+      const auto& k = kFaceVerts[f];
+      const auto& x = whole.coords;
+      if (side_of_cube(std::array{x[t[k[0]]], x[t[k[1]]], x[t[k[2]]]}) >= 0) tags[f] = kHullFace | 1;
     }
     dist.mesh.tet2vert.push_back(verts);
     dist.mesh.face_tag.push_back(tags);
