@@ -58,6 +58,11 @@ class Halo {
   void max_shared(std::span<T> values) const {
     combine<T>(at_entry(values), 1, Op::kMax);
   }
+  /// Collective. The same; every copy gets the bits that any copy has.
+  template <Reducible T>
+  void or_shared(std::span<T> bits) const {
+    fold_copies<T>(at_entry(bits), 1, [](T a, T b) { return a | b; });
+  }
 
  private:
   // Where the numbers of shared vertex i are.

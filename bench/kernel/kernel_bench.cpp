@@ -14,11 +14,11 @@
 #include <string_view>
 #include <vector>
 
-#include "kernel/collapse.hpp"
-#include "kernel/insert.hpp"
-#include "kernel/passes.hpp"
-#include "kernel/smooth.hpp"
-#include "kernel/swap.hpp"
+#include "kernel/operators/collapse.hpp"
+#include "kernel/operators/insert.hpp"
+#include "kernel/operators/smooth.hpp"
+#include "kernel/operators/swap.hpp"
+#include "kernel/recipe.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "mesh/predicates.hpp"
@@ -38,7 +38,7 @@ Part make_part(double hx, double hy, double hz) {
   test::SmoothMetric m;
   m.size = {hx / kCells, hy / kCells, hz / kCells};
   m.turn = {0.7, 0.5, 0};
-  p.metric = test::metric_field(p.mesh.coords, m);
+  test::set_metric(p.mesh, m);
   prepare(p);
   return p;
 }
@@ -52,7 +52,7 @@ struct Loose {
     for (std::size_t t = 0; t < 1024; ++t) {
       const auto& v = p.mesh.tet2vert[to_id<TetId>(t * 37)];
       x.push_back({p.x(v[0]), p.x(v[1]), p.x(v[2]), p.x(v[3])});
-      m.push_back({p.metric.at[v[0]], p.metric.at[v[1]], p.metric.at[v[2]], p.metric.at[v[3]]});
+      m.push_back({p.mesh.metric[v[0]], p.mesh.metric[v[1]], p.mesh.metric[v[2]], p.mesh.metric[v[3]]});
     }
   }
 };
@@ -151,7 +151,7 @@ void insert_op(benchmark::State& state) {
     double l;
     const auto& e = kEdgeVerts[extreme_edge(p, t, 1, l)];
     const auto v = p.mesh.tet2vert[t];
-    if (l <= p.options.split_above) return;
+    if (l <= p.options.method.lengths.split_above) return;
     tally.add(op.insert.on_edge(t, v[e[0]], v[e[1]], 0.5) == InsertResult::kDone);
   });
 }
@@ -160,15 +160,15 @@ void collapse_op(benchmark::State& state) {
     double l;
     const auto& e = kEdgeVerts[extreme_edge(p, t, -1, l)];
     const auto v = p.mesh.tet2vert[t];
-    if (l >= p.options.collapse_below) return;
-    tally.add(op.collapse.collapse(v[e[0]], v[e[1]], t, p.options.split_above, 0.3 * 0.3 * 0.3));
+    if (l >= p.options.method.lengths.collapse_below) return;
+    tally.add(op.collapse.collapse(v[e[0]], v[e[1]], t, p.options.method.lengths.split_above, KeepFloor{0.027, 0.5}));
   });
 }
 void swap_edge_op(benchmark::State& state) {
   sweep(state, make_part(1, 1, 0.4), [](Part& p, Operators& op, TetId t, Tally& tally) {
     const auto v = p.mesh.tet2vert[t];
     for (const auto& e : kEdgeVerts) {
-      const bool did = op.swap.edge(t, v[e[0]], v[e[1]]);
+      const bool did = op.swap.edge(t, v[e[0]], v[e[1]], RaiseWorst{1.05});
       tally.add(did);
       if (did) return;
     }
@@ -177,7 +177,7 @@ void swap_edge_op(benchmark::State& state) {
 void swap_face_op(benchmark::State& state) {
   sweep(state, make_part(1, 1, 0.4), [](Part&, Operators& op, TetId t, Tally& tally) {
     for (std::size_t f = 0; f < 4; ++f) {
-      const bool did = op.swap.face(make_face(t, f));
+      const bool did = op.swap.face(make_face(t, f), RaiseWorst{1.05});
       tally.add(did);
       if (did) return;
     }
@@ -186,7 +186,7 @@ void swap_face_op(benchmark::State& state) {
 void smooth_op(benchmark::State& state) {
   sweep(state, make_part(1, 1, 1), [](Part& p, Operators& op, TetId t, Tally& tally) {
     for (const VertId v : p.mesh.tet2vert[t]) {
-      if (p.mesh.vert2tet[v] == t) tally.add(op.smooth.move(v));  // each vertex once
+      if (p.mesh.vert2tet[v] == t) tally.add(op.smooth.move(v, SmoothBall{}));  // each vertex once
     }
   });
 }

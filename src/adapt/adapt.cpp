@@ -26,9 +26,8 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 12;        ///< elements out of one in a step of growth
-constexpr int kMostSteps = 10;        ///< of growth
-constexpr int kTurnsAfterGrowth = 4;  ///< of the main passes, in parts of a mesh that is unit in another metric already
+constexpr double kGrowth = 12;           ///< elements out of one in a step of growth
+constexpr int kMostSteps = 10;           ///< of growth
 constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
 constexpr double kImbalance = 0.03;      ///< to which the numbers of tetrahedra of the result are brought ...
 constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good already
@@ -38,37 +37,15 @@ constexpr int kActiveLayers = 1;         ///< round old interfaces that are work
 constexpr int kMendingRounds = 2;        ///< after the others, for what frozen vertices have left in a bad state
 constexpr int kMargin = 0;               ///< layers round these that cavities may reach into
 
-MetricField metric_from_data(const DistMesh& dist) {
-  MetricField f;
-  const std::size_t n = dist.mesh.vert_slots();
-  f.log_at.reserve(n);
-  for (const VertId v : IdRange<VertId>(n)) f.log_at.push_back(log_metric_at(dist, v));
-  f.at.resize(n);
-  f.measure(VertId{0}, n);
-  return f;
-}
-
-void data_from_metric(DistMesh& dist, const MetricField& f, int threads) {
-  grow_in_parallel(dist.data.values, 6 * f.size(), threads);
-  dist.data.values.resize(6 * f.size());
-  in_parallel(threads, [&](int w) {
-    for (const VertId v : IdRange<VertId>(share_begin(f.size(), w, threads), share_begin(f.size(), w + 1, threads))) {
-      const SymTensor& l = f.log_at[v];
-      double* d = dist.data.at(v);
-      d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
-    }
-  });
-}
-
 /// Collective. Tells whether the metric has directions anywhere: lengths that differ by more than a tenth.
 bool has_directions(const Comm& comm, const DistMesh& dist) {
   constexpr double kLittle = 0.2;  // of the logarithms of 1/length^2
   std::int32_t found = 0;
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    const double* l = dist.data.at(v);  // xx xy yy xz yz zz
-    const double mean = (l[0] + l[2] + l[5]) / 3;
-    const auto off = [&](int i) { return std::abs(l[i] - mean); };
-    const double most = std::max({off(0), off(2), off(5), std::abs(l[1]), std::abs(l[3]), std::abs(l[4])});
+    const SymTensor& l = dist.mesh.log_metric[v];
+    const double mean = (l.xx + l.yy + l.zz) / 3;
+    const auto off = [&](double diagonal) { return std::abs(diagonal - mean); };
+    const double most = std::max({off(l.xx), off(l.yy), off(l.zz), std::abs(l.xy), std::abs(l.xz), std::abs(l.yz)});
     found |= most > kLittle ? 1 : 0;
   }
   return comm.max(found) != 0;
@@ -83,16 +60,17 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
   agree(comm, [&] {
     part.options = options.kernel;
     part.spacing = options.spacing;
-    part.metric = metric_from_data(dist);
+    part.geometry = options.geometry;
     part.mesh = dist.mesh;
+    measure_metric(part.mesh);
     prepare(part);
-    failed = refine_interface(part, gid, options.kernel.surface ? 0 : kSurface) ? 0 : 1;
+    failed = refine_interface(part, gid, {.of_class = options.kernel.may_change_surface() ? VertClass{} : kSurface}) ? 0 : 1;
   });
   if (comm.max(failed) != 0 || comm.sum(part.counts.insert) == 0) return;
   agree(comm, [&] {
     dist.mesh = std::move(part.mesh);
+    dist.mesh.metric = {};
     dist.vert2gid = std::move(gid);
-    data_from_metric(dist, part.metric, 1);
   });
   rebuild_sharing(comm, dist);
   // A rank may have the middle of an edge's shell only and not know that a new vertex on it is on the surface.
@@ -102,11 +80,10 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
 
 /// The local part of the first round: the kernel on all of this rank's mesh. Not collective.
 LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
-  MetricField metric = metric_from_data(dist);
-  LocalResult r = adapt_local(dist.mesh, metric, options);
+  measure_metric(dist.mesh);
+  LocalResult r = adapt_local(dist.mesh, options);
+  dist.mesh.metric = {};
   const std::size_t n = dist.mesh.vert_slots(), room = n + n / 8;  // for what later rounds bring
-  dist.data.values.reserve(6 * room);
-  data_from_metric(dist, metric, options.threads);
   // Only shared vertices keep their numbers; they were frozen.
   IdVector<VertId, GlobalId> gid;
   gid.reserve(room);
@@ -122,9 +99,9 @@ LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
 /// The local part of a later round: the kernel on what is active, and nothing that costs as much as the whole mesh.
 /// Not collective.
 OperationCounts adapt_band(DistMesh& dist, LocalOptions options) {
-  options.kernel.only_retry = true;
-  Band band = cut_band(dist, kMargin, options.threads);
-  const LocalResult r = adapt_local(band.mesh, band.metric, options);
+  options.kernel.scope = Scope::kRetry;
+  Band band = cut_band(dist.mesh, kMargin, options.threads);
+  const LocalResult r = adapt_local(band.mesh, options);
   put_back(dist, band, r.old2new, options.threads);
   return r.counts;
 }
@@ -149,8 +126,10 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, bool grown, const Lo
   std::vector<double> work;
   std::vector<std::int32_t> cost;
   agree(comm, [&] {
-    work = predicted_work(dist);
-    cost = face_costs(dist.mesh, metric_from_data(dist), local.threads);
+    work = predicted_work(dist.mesh);
+    measure_metric(dist.mesh);
+    cost = face_costs(dist.mesh, local.threads);
+    dist.mesh.metric = {};
     if (grown) make_old_interfaces_heavy(dist, cost);
   });
   MeshCutOptions options;
@@ -229,7 +208,7 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
   std::optional<Background> given;
   CutLimits last{};
   for (int step = 0;; ++step) {
-    const std::vector<double> elements = predicted_elements(dist);
+    const std::vector<double> elements = predicted_elements(dist.mesh);
     const CutLimits limits = cut_limits(comm, elements, workers);
     const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
     // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
@@ -237,7 +216,7 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
       return workers_for(limits, std::min(limits.wanted, comm.size()), local.threads, step > 0);
     last = limits;
     log.start(fmt::format("growth {}: partition", step + 1));
-    if (!given) given.emplace(comm, dist, dist.data);
+    if (!given) given.emplace(comm, dist, fields_of(dist.mesh.log_metric));
     bound_growth(comm, dist, elements, kGrowth);
     const Workers now = workers_for(limits, std::min(limits.able, comm.size()), local.threads, step > 0);
     LocalOptions step_options = local;
@@ -246,8 +225,8 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
     log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
     run_kernel(comm, dist, fmt::format("growth {}: adapt", step + 1), log,
                [&] { return adapt_rank(dist, step_options).counts; });
-    dist.data = given->at_vertices(dist);
-    for (auto& f : dist.mesh.vert_flags) f |= kActive;  // threads leave it to what they have looked at twice
+    dist.mesh.log_metric = tensors_of(given->at_vertices(dist));
+    for (VertState& s : dist.mesh.vert_state) s |= kActive;  // threads leave it to what they have looked at twice
   }
 }
 
@@ -257,24 +236,26 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   LocalOptions local;
   local.threads = options.threads;
   local.spacing = options.spacing;
-  local.kernel.surface = options.surface;
-  local.kernel.centroid_points = options.points == PointCreation::kCentroids;
-  local.kernel.springs = options.smoothing == Smoothing::kSprings;
+  local.kernel.method = options.method;
+  local.kernel.surface = options.surface ? SurfaceChange::kAllowed : SurfaceChange::kNone;
+  const FacetGeometry facets(options.method.facets);
+  local.geometry = &facets;
   agree(comm, [&] {
-    if (dist.data.width != 6) throw Error(ExitCode::kInternal, "adapt needs the log-metric and nothing else as data");
+    if (dist.mesh.log_metric.size() != dist.mesh.vert_slots())
+      throw Error(ExitCode::kInternal, "adapt needs the log-metric at the vertices");
   });
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
   // Where lengths differ by direction, cavities fit less well, and every edge by itself is worth a look.
   const bool directed = has_directions(comm, dist);
-  for (auto& f : dist.mesh.vert_flags) f |= kActive;
+  for (VertState& s : dist.mesh.vert_state) s |= kActive;
   const auto [parts, threads, grown] = grow(comm, dist, local, log);
   local.threads = threads;
   log.start("round 1: partition");
   if (comm.size() > 1) cut_parts(comm, dist, parts, grown, local);
   finish();
   LocalOptions first = local;
-  first.kernel.relax = directed;
-  if (grown) first.kernel.least_turns = kTurnsAfterGrowth;
+  first.kernel.lower_strain = directed;
+  if (grown) first.kernel.least_turns = options.method.main.least_turns_after_growth;
   bool turning = false;
   const GlobalId never_free = run_kernel(comm, dist, "round 1: adapt", log, [&] {
     const LocalResult r = adapt_rank(dist, first);
@@ -297,7 +278,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   even_out(comm, dist, parts);
   finish();
   log.start("reconcile");
-  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~(kActive | kBesideFrozen | kRetry));
+  for (VertState& s : dist.mesh.vert_state) s &= ~(kActive | kBesideFrozen | kRetry);
   reconcile(comm, dist, options.threads);
   finish();
 }

@@ -3,29 +3,23 @@
 #include "comm/comm.hpp"
 #include "comm/phase_log.hpp"
 #include "dist/dist_mesh.hpp"
+#include "kernel/method.hpp"
 #include "metric/spacing.hpp"
 
 namespace skein {
 
-/// How points are created: along long edges at metric-unit steps, or at centroids with exclusion zones [35.2.3.2].
-enum class PointCreation { kEdges, kCentroids };
-
-/// How vertices are moved: to the best quality of their elements, or by springs along their edges.
-enum class Smoothing { kQuality, kSprings };
-
 struct AdaptOptions {
   int rounds = 3;   ///< rounds over the ranks; later ones work only round the old interfaces
   int threads = 1;  ///< threads in each rank
-  PointCreation points = PointCreation::kEdges;
-  Smoothing smoothing = Smoothing::kQuality;
+  Method method;
   bool surface = true;  ///< boundary faces may change (false: the boundary triangulation is kept as it is)
   const SpacingField* spacing =
       nullptr;  ///< evaluated at every new vertex and intersected with the interpolated metric
 };
 
-/// Collective. Adapts the mesh to the metric whose logarithm is the first 6 numbers (Medit order) of dist.data at every
-/// vertex. The result is compact, has equal numbers of tetrahedra (4 %) on all ranks, and is checked by reconcile();
-/// new vertices have interpolated data.
+/// Collective. Adapts the mesh to the metric whose logarithm is the column log_metric. The result is compact, has equal
+/// numbers of tetrahedra (4 %) on all ranks, and is checked by reconcile(); new vertices have an interpolated
+/// log_metric and zeros in `fields`.
 void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseLog& log);
 
 }  // namespace skein

@@ -15,8 +15,8 @@ namespace {
 /// Cuts a band; threads share what comes in by its place in the band.
 class Cut {
  public:
-  Cut(const TetMesh& m, const VertexAttributes& data, Surroundings near, int threads)
-      : m_(m), data_(data), near_(std::move(near)), threads_(threads), tets_(m.tet_slots()), verts_(m.vert_slots()) {}
+  Cut(const TetMesh& m, Surroundings near, int threads)
+      : m_(m), near_(std::move(near)), threads_(threads), tets_(m.tet_slots()), verts_(m.vert_slots()) {}
 
   Band run() {
     near_.add_tets();
@@ -46,25 +46,37 @@ class Cut {
     band_.to_rank = IdVector<VertId, VertId>(verts_.members());
     const std::size_t nt = band_.tets.size(), nv = verts_.size();
     TetMesh& b = band_.mesh;
-    b.reserve(2 * nv, nt);
-    band_.metric.reserve(2 * nv);
     resize_tets(b, nt);
-    resize_verts(b, nv);
-    band_.metric.at.resize(nv);
-    band_.metric.log_at.resize(nv);
+    for_each_vert_column(b, m_, [&](auto& to, const auto& from) { make_column(to, from, nv); });
+    if (m_.metric.empty()) make_column(b.metric, nv);
+    b.vert2tet.reserve(kRoom * nv);
+    b.vert2tet.resize(nv);
+  }
+
+  /// A column with n entries and room for what adapting adds, if there is one to be cut from.
+  template <class Column>
+  static void make_column(Column& to, const Column& from, std::size_t n) {
+    if (from.empty()) return;
+    take_width(to, from);
+    make_column(to, n);
+  }
+  template <class Column>
+  static void make_column(Column& to, std::size_t n) {
+    to.raw().reserve(kRoom * n * width_of(to));
+    resize_column(to, n);
   }
 
   void place_vertices(int w) {
     const std::size_t n = verts_.size(), begin = share_begin(n, w, threads_), end = share_begin(n, w + 1, threads_);
-    data_.copy_metrics(std::span<const VertId>(band_.to_rank.raw()).subspan(begin, end - begin), band_.metric,
-                       to_id<VertId>(begin));
-    for (const VertId to : IdRange<VertId>(begin, end)) {
-      const VertId v = band_.to_rank[to];
-      band_.mesh.coords[to] = m_.coords[v];
-      band_.mesh.vert_ref[to] = m_.vert_ref[v];
-      // A tetrahedron outside has no vertex that is in near_, so whatever it shares with the band is frozen.
-      const unsigned flags = near_.has(v) ? m_.vert_flags[v] : (m_.vert_flags[v] & ~kActive) | kFrozen;
-      band_.mesh.vert_flags[to] = static_cast<std::uint8_t>(flags);
+    TetMesh& b = band_.mesh;
+    for_each_vert_column(b, m_, [&](auto& to, const auto& from) {
+      if (from.empty()) return;
+      for (const VertId v : IdRange<VertId>(begin, end)) copy_entry(to, v, from, band_.to_rank[v]);
+    });
+    if (m_.metric.empty()) measure_metric(b, to_id<VertId>(begin), end - begin);
+    // A tetrahedron outside has no vertex that is in near_, so whatever it shares with the band is frozen.
+    for (const VertId v : IdRange<VertId>(begin, end)) {
+      if (!near_.has(band_.to_rank[v])) b.vert_state[v] = (b.vert_state[v] & ~kActive) | kFrozen;
     }
   }
 
@@ -96,8 +108,9 @@ class Cut {
     }
   }
 
+  static constexpr std::size_t kRoom = 2;  ///< for so many times the vertices
+
   const TetMesh& m_;
-  const VertexAttributes& data_;
   Surroundings near_;
   int threads_;
   Subset<TetId> tets_;
@@ -105,18 +118,21 @@ class Cut {
   Band band_;
 };
 
-/// Puts a band back; the steps share the numbers of what comes in.
+/// Puts a band back into a mesh, or into what has one and more columns; the steps share the numbers of what comes in.
+template <class Mesh>
 class Return {
  public:
-  Return(TetMesh& mesh, VertexAttributes& data, const Band& band, int threads)
-      : m_(mesh), data_(data), band_(band), b_(band.mesh), threads_(threads) {}
+  Return(Mesh& all, const Band& band, int threads)
+      : all_(all), m_(mesh_of(all)), band_(band), b_(band.mesh), threads_(threads) {}
 
-  void run(const IdVector<VertId, VertId>& old2new) {
+  /// Gives the new numbers of vertices.
+  MovedVerts run(const IdVector<VertId, VertId>& old2new) {
     for (const FeatureEdge& e : band_.features) m_.features.erase(e.a, e.b);
     place_vertices(old2new);
     place_tets();
     for (const FeatureEdge& e : b_.features.list()) m_.features.insert(vert_[e.a], vert_[e.b], e.ref, e.ridge);
-    fill_free_places();
+    fill_free_tets(m_, free_tets_);
+    return fill_free_verts(all_, free_verts_, threads_);
   }
 
  private:
@@ -130,33 +146,22 @@ class Return {
     const auto kept =
         static_cast<std::size_t>(std::count_if(vert_.begin(), vert_.end(), [](VertId v) { return v != kNoVert; }));
     const std::size_t fresh = b_.vert_slots() - kept, before = m_.vert_slots();
-    if (fresh > free_verts_.size()) {
-      resize_verts(m_, before + fresh - free_verts_.size());
-      data_.reserve(m_.vert_slots());
-      data_.resize(m_.vert_slots());
-    }
+    if (fresh > free_verts_.size()) resize_verts(all_, before + fresh - free_verts_.size());
     std::size_t next = 0, end = before;
     for (const VertId v : IdRange<VertId>(b_.vert_slots())) {
       if (vert_[v] != kNoVert) continue;
       vert_[v] = next < free_verts_.size() ? free_verts_[next++] : to_id<VertId>(end++);
-      copy_vertex(v, vert_[v]);
+      clear_entries(all_, vert_[v]);
+      copy_entries(m_, vert_[v], b_, v);
     }
     free_verts_.erase(free_verts_.begin(), free_verts_.begin() + static_cast<std::ptrdiff_t>(next));
   }
 
   void keep_vertex(VertId v, VertId in_band) {
     vert_[in_band] = v;
-    const unsigned now = b_.vert_flags[in_band] & (kBesideFrozen | kRetry);
     // What the band has only in part may be poor for the sake of the rest.
-    const unsigned keep = b_.has(in_band, kActive) ? ~(kBesideFrozen | kRetry) : ~static_cast<unsigned>(kRetry);
-    m_.vert_flags[v] = static_cast<std::uint8_t>((m_.vert_flags[v] & keep) | now);
-  }
-
-  void copy_vertex(VertId from, VertId to) {
-    m_.coords[to] = b_.coords[from];
-    m_.vert_ref[to] = b_.vert_ref[from];
-    m_.vert_flags[to] = b_.vert_flags[from];
-    data_.set(to, band_.metric, from);
+    const VertState told = b_.has(in_band, kActive) ? kBesideFrozen | kRetry : kRetry;
+    m_.vert_state[v] = (m_.vert_state[v] & ~told) | (b_.vert_state[in_band] & (kBesideFrozen | kRetry));
   }
 
   void place_tets() {
@@ -196,16 +201,8 @@ class Return {
     link_equal_faces(m_, sides);
   }
 
-  void fill_free_places() {
-    fill_free_tets(m_, free_tets_);
-    const MovedVerts now = fill_free_verts(
-        m_, free_verts_, [&](VertId from, VertId to) { data_.move(from, to); }, threads_);
-    data_.resize(m_.vert_slots());
-    for (auto& v : data_.kept()) v = now(v);
-  }
-
+  Mesh& all_;
   TetMesh& m_;
-  VertexAttributes& data_;
   const Band& band_;
   const TetMesh& b_;
   int threads_;
@@ -215,67 +212,32 @@ class Return {
   std::vector<TetId> free_tets_;
 };
 
-/// What goes with the vertices of a rank's mesh.
-class RankVertices final : public VertexAttributes {
- public:
-  explicit RankVertices(DistMesh& dist) : dist_(dist) {}
-  void copy_metrics(std::span<const VertId> from, MetricField& field, VertId first) const override {
-    for (std::size_t i = 0; i < from.size(); ++i)
-      field.log_at[to_id<VertId>(idx(first) + i)] = log_metric_at(dist_, from[i]);
-    field.measure(first, from.size());
-  }
-  void reserve(std::size_t n) override {
-    reserve_with_slack(dist_.vert2gid, n);
-    reserve_with_slack(dist_.data.values, n * width());
-  }
-  void resize(std::size_t n) override {
-    dist_.vert2gid.resize(n, kNoGlobal);
-    dist_.data.values.resize(n * width());
-  }
-  void set(VertId to, const MetricField& metric, VertId from) override {
-    dist_.vert2gid[to] = kNoGlobal;
-    const SymTensor& l = metric.log_at[from];
-    double* d = dist_.data.at(to);
-    d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
-  }
-  void move(VertId from, VertId to) override {
-    dist_.vert2gid[to] = dist_.vert2gid[from];
-    std::copy_n(dist_.data.at(from), width(), dist_.data.at(to));
-  }
-  std::span<VertId> kept() override { return dist_.sharing.vert; }
-
- private:
-  [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(dist_.data.width); }
-  DistMesh& dist_;
-};
-
 }  // namespace
 
-Band cut_band(const TetMesh& mesh, const VertexAttributes& data, Surroundings near, int threads) {
-  return Cut(mesh, data, std::move(near), threads).run();
-}
+Band cut_band(const TetMesh& mesh, Surroundings near, int threads) { return Cut(mesh, std::move(near), threads).run(); }
 
-Band cut_band(DistMesh& dist, int layers, int threads) {
+Band cut_band(const TetMesh& mesh, int layers, int threads) {
   std::vector<VertId> active;
-  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    if (dist.mesh.has(v, kActive)) active.push_back(v);
+  for (const VertId v : IdRange<VertId>(mesh.vert_slots())) {
+    if (mesh.has(v, kActive)) active.push_back(v);
   }
-  Surroundings near(dist.mesh, std::move(active));
+  Surroundings near(mesh, std::move(active));
   for (int l = 0; l < layers; ++l) {
     near.add_tets();
     near.add_vertices();
   }
-  return cut_band(dist.mesh, RankVertices(dist), std::move(near), threads);
+  return cut_band(mesh, std::move(near), threads);
 }
 
-void put_back(TetMesh& mesh, VertexAttributes& data, const Band& band, const IdVector<VertId, VertId>& old2new,
+void put_back(TetMesh& mesh, const Band& band, const IdVector<VertId, VertId>& old2new, std::span<VertId> kept,
               int threads) {
-  Return(mesh, data, band, threads).run(old2new);
+  const MovedVerts now = Return(mesh, band, threads).run(old2new);
+  for (VertId& v : kept) v = now(v);
 }
 
 void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new, int threads) {
-  RankVertices data(dist);
-  put_back(dist.mesh, data, band, old2new, threads);
+  const MovedVerts now = Return(dist, band, threads).run(old2new);
+  for (VertId& v : dist.sharing.vert) v = now(v);
 }
 
 }  // namespace skein

@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "dist/dual_graph.hpp"
 #include "dist/partition.hpp"
 #include "kernel/interface.hpp"
+#include "partition/multilevel.hpp"
 
 namespace skein {
 namespace {
@@ -15,39 +17,16 @@ namespace {
 constexpr double kImbalance = 0.005;  ///< of the blocks' predicted work
 constexpr double kIdle = 0.01;        ///< work in a tetrahedron that is not active
 
-/// Faces to other ranks count as hull while this lives: the partitioner would look for what is behind them.
-class WithoutOthers {
- public:
-  explicit WithoutOthers(TetMesh& m) : m_(m) {
-    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-      for (std::size_t f = 0; f < 4; ++f) {
-        if (m.tet2face[t][f] == kNoFace && !is_hull(m.face_tag[t][f])) faces_.push_back(make_face(t, f));
-      }
-    }
-    flip();
-  }
-  WithoutOthers(const WithoutOthers&) = delete;
-  WithoutOthers& operator=(const WithoutOthers&) = delete;
-  ~WithoutOthers() { flip(); }
-
- private:
-  void flip() noexcept {
-    for (const FaceId f : faces_) m_.tag(f) ^= kHullFace;
-  }
-  TetMesh& m_;
-  std::vector<FaceId> faces_;
-};
-
 }  // namespace
 
-std::vector<std::int32_t> face_costs(const TetMesh& m, const MetricField& metric, int threads) {
+std::vector<std::int32_t> face_costs(const TetMesh& m, int threads) {
   std::vector<std::int32_t> cost(4 * m.tet_slots(), 1);
   const auto of_face = [&](FaceId f) {
     const auto v = m.verts(f);
     const Vec3 a = m.coords[v[1]] - m.coords[v[0]], b = m.coords[v[2]] - m.coords[v[0]];
     double area = 0;
     for (const VertId w : v) {
-      const SymTensor& g = metric.at[w].m;
+      const SymTensor& g = m.metric[w].m;
       const double ab = dot(a, mul(g, b));
       area += std::sqrt(std::max(0.0, quad(g, a) * quad(g, b) - ab * ab)) / 6;
     }
@@ -62,37 +41,17 @@ std::vector<std::int32_t> face_costs(const TetMesh& m, const MetricField& metric
   return cost;
 }
 
-BlockLabels cut_blocks(TetMesh& m, const MetricField& metric, int blocks) {
-  const auto cost = face_costs(m, metric, blocks);
-  // The partitioner wants a rank's mesh: it is lent to one that has no others beside it.
-  DistMesh alone;
-  alone.data.width = 6;
-  alone.data.values.reserve(6 * metric.size());
-  for (const SymTensor& l : metric.log_at) {
-    alone.data.values.insert(alone.data.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
+BlockLabels cut_blocks(const TetMesh& m, int blocks) {
+  const auto cost = face_costs(m, blocks);
+  auto work = predicted_work(m);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    const auto& v = m.tet2vert[t];
+    if (std::none_of(v.begin(), v.end(), [&](VertId w) { return m.has(w, kActive); })) work[idx(t)] = kIdle;
   }
-  alone.vert2gid.resize(m.vert_slots());
-  for (const VertId v : IdRange<VertId>(m.vert_slots())) alone.vert2gid[v] = GlobalId{num(v)};
-  alone.global_verts = static_cast<std::int64_t>(m.vert_slots());
-  alone.global_tets = static_cast<std::int64_t>(m.tet_slots());
-  alone.mesh = std::move(m);
-  auto work = predicted_work(alone);
-  for (const TetId t : IdRange<TetId>(alone.mesh.tet_slots())) {
-    std::uint8_t flags = 0;
-    for (const VertId v : alone.mesh.tet2vert[t]) flags |= alone.mesh.vert_flags[v];
-    if ((flags & kActive) == 0) work[idx(t)] = kIdle;
-  }
-  MeshCutOptions options;
-  options.face_weight = cost;
-  options.imbalance = kImbalance;
-  options.threads = blocks;
-  const auto part = [&] {
-    const WithoutOthers guard(alone.mesh);
-    return multilevel_partition(Comm::self(), alone, work, blocks, options);
-  }();
-  m = std::move(alone.mesh);
+  const auto part = multilevel_partition(Comm::self(), dual_graph(m, work, cost, blocks), blocks,
+                                         MultilevelOptions{.imbalance = kImbalance, .threads = blocks});
   BlockLabels label(m.tet_slots());
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) label[t] = num(part[t]);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) label[t] = num(part.raw()[idx(t)]);
   return label;
 }
 
@@ -110,30 +69,32 @@ IdVector<VertId, char> between_blocks(const TetMesh& m, const BlockLabels& label
 
 namespace {
 
-/// Vertices of the block in order of first appearance, and their flags.
-void cut_vertices(const TetMesh& m, const MetricField& metric, const std::vector<TetId>& tets,
-                  const IdVector<VertId, char>& between, IdVector<VertId, VertId>& to_block, Block& out) {
-  Part& p = out.part;
+/// Vertices of the block in order of first appearance.
+void cut_vertices(const TetMesh& m, const std::vector<TetId>& tets, const IdVector<VertId, char>& between,
+                  IdVector<VertId, VertId>& to_block, Block& out) {
+  std::vector<VertId> verts;
   for (const TetId t : tets) {
     for (const VertId v : m.tet2vert[t]) {
       if (to_block[v] != kNoVert) continue;
-      const VertId w = p.mesh.coords.push_back(m.coords[v]);
-      to_block[v] = w;
-      p.mesh.vert_ref.push_back(m.vert_ref[v]);
-      auto flags = static_cast<std::uint8_t>(m.vert_flags[v] & ~kBesideFrozen);
-      if ((flags & kFrozen) != 0) {
-        out.frozen.push_back(w);
-        out.frozen_of.push_back(v);
-      }
-      out.id.push_back(GlobalId{num(v)});
-      if (between[v] != 0) {
-        out.common.push_back(w);
-        flags |= kFrozen;
-      }
-      p.mesh.vert_flags.push_back(flags);
-      p.mesh.vert2tet.push_back(kNoTet);
-      p.metric.at.push_back(metric.at[v]);
-      p.metric.log_at.push_back(metric.log_at[v]);
+      to_block[v] = to_id<VertId>(verts.size());
+      verts.push_back(v);
+    }
+  }
+  TetMesh& b = out.part.mesh;
+  for_each_vert_column(b, m, [&](auto& to, const auto& from) { gather_column(to, from, verts); });
+  b.vert2tet.assign(verts.size(), kNoTet);
+  out.id.reserve(verts.size());
+  for (const VertId v : verts) out.id.push_back(GlobalId{num(v)});
+  for (const VertId w : IdRange<VertId>(verts.size())) {
+    const VertId v = verts[idx(w)];
+    b.vert_state[w] &= ~kBesideFrozen;
+    if (m.has(v, kFrozen)) {
+      out.frozen.push_back(w);
+      out.frozen_of.push_back(v);
+    }
+    if (between[v] != 0) {
+      out.common.push_back(w);
+      b.vert_state[w] |= kFrozen;
     }
   }
 }
@@ -150,8 +111,7 @@ void cut_features(const TetMesh& m, TetId t, const IdVector<VertId, VertId>& to_
 
 }  // namespace
 
-Block cut_block(const TetMesh& m, const MetricField& metric, const BlockLabels& label,
-                const IdVector<VertId, char>& between, int b) {
+Block cut_block(const TetMesh& m, const BlockLabels& label, const IdVector<VertId, char>& between, int b) {
   Block out;
   std::vector<TetId> tets;
   IdVector<TetId, TetId> tet2block(m.tet_slots(), kNoTet);
@@ -161,7 +121,7 @@ Block cut_block(const TetMesh& m, const MetricField& metric, const BlockLabels& 
     tets.push_back(t);
   }
   IdVector<VertId, VertId> to_block(m.vert_slots(), kNoVert);
-  cut_vertices(m, metric, tets, between, to_block, out);
+  cut_vertices(m, tets, between, to_block, out);
   TetMesh& bm = out.part.mesh;
   bm.tet2vert.reserve(tets.size());
   bm.tet2face.reserve(tets.size());
@@ -198,12 +158,11 @@ void follow(Block& block, const IdVector<VertId, VertId>& old2new) {
 bool refine_block_interface(Block& block, double times) {
   const std::size_t before = block.part.mesh.vert_slots();
   const auto free = std::exchange(block.part.free_verts, {});  // what is new shall be at the end
-  constexpr std::uint8_t kWasFrozen = kBesideFrozen;           // which is the kernel's, and not in use yet
-  const int keep = kWasFrozen | (block.part.options.surface ? 0 : kSurface);
-  auto& flags = block.part.mesh.vert_flags;
-  for (const VertId v : block.frozen) flags[v] |= kWasFrozen;
-  const bool refined = refine_interface(block.part, block.id, static_cast<std::uint8_t>(keep), times);
-  for (const VertId v : block.frozen) flags[v] = static_cast<std::uint8_t>(flags[v] & ~kWasFrozen);
+  const KeptVerts keep{block.part.options.may_change_surface() ? VertClass{} : kSurface, kWasFrozen};
+  auto& state = block.part.mesh.vert_state;
+  for (const VertId v : block.frozen) state[v] |= kWasFrozen;
+  const bool refined = refine_interface(block.part, block.id, keep, times);
+  for (const VertId v : block.frozen) state[v] &= ~kWasFrozen;
   if (!refined) return false;
   block.part.free_verts = free;
   for (std::size_t i = before; i < block.part.mesh.vert_slots(); ++i) block.common.push_back(to_id<VertId>(i));

@@ -12,12 +12,12 @@ namespace skein {
 using BlockLabels = IdVector<TetId, std::int32_t>;
 
 /// What cutting each face (FaceId) costs: its area in the metric, i.e. about how many faces of the final mesh it stands
-/// for; 1 to 1000.
-std::vector<std::int32_t> face_costs(const TetMesh& mesh, const MetricField& metric, int threads = 1);
+/// for; 1 to 1000. @pre the mesh has the column metric
+std::vector<std::int32_t> face_costs(const TetMesh& mesh, int threads = 1);
 
 /// The block of each tetrahedron: compact blocks of equal predicted work with small interfaces in the final mesh, from
-/// the multilevel partitioner. Needs MPI, but no other rank. @pre no free slots. The mesh stays as it is.
-BlockLabels cut_blocks(TetMesh& mesh, const MetricField& metric, int blocks);
+/// the multilevel partitioner. Needs MPI, but no other rank. @pre no free slots; the mesh has log_metric and metric.
+BlockLabels cut_blocks(const TetMesh& mesh, int blocks);
 
 /// True for each vertex that has tetrahedra of several blocks.
 IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);
@@ -39,8 +39,7 @@ struct Block {
 };
 
 /// Cuts block b out of the mesh. Faces to other blocks have no neighbour; their vertices are frozen. Thread-safe.
-Block cut_block(const TetMesh& mesh, const MetricField& metric, const BlockLabels& label,
-                const IdVector<VertId, char>& between, int b);
+Block cut_block(const TetMesh& mesh, const BlockLabels& label, const IdVector<VertId, char>& between, int b);
 
 /// Applies a renumbering of the part's vertices, old -> new. Vertices that other blocks have, too, must not be dropped.
 /// Thread-safe.
@@ -57,7 +56,6 @@ void seal_block(Block& block, const IdVector<VertId, VertId>& old2new);
 /// What merge_blocks gives: the whole mesh again.
 struct Merged {
   TetMesh mesh;
-  MetricField metric;
   std::vector<VertId> between;       ///< the vertices that several blocks had, ascending
   IdVector<VertId, VertId> old2new;  ///< for vertices of the mesh before the cut that were frozen; kNoVert for others
 };

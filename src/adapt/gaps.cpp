@@ -21,19 +21,16 @@ std::vector<Id> free_slots(const TetMesh& m, std::size_t n) {
   return free;
 }
 
-IdVector<VertId, VertId> fill_gaps(TetMesh& m, MetricField& metric, const std::vector<TetId>& free_tets) {
+IdVector<VertId, VertId> fill_gaps(TetMesh& m, const std::vector<TetId>& free_tets) {
   const auto free_verts = free_slots<VertId>(m, m.vert_slots());
   IdVector<VertId, VertId> old2new(m.vert_slots());
   for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = v;
   for (const VertId v : free_verts) old2new[v] = kNoVert;
   fill_free_tets(m, free_tets);
-  fill_free_verts(m, free_verts, [&](VertId from, VertId to) {
-    metric.at[to] = metric.at[from];
-    metric.log_at[to] = metric.log_at[from];
-    old2new[from] = to;
-  });
-  metric.at.resize(m.vert_slots());
-  metric.log_at.resize(m.vert_slots());
+  const MovedVerts now = fill_free_verts(m, free_verts);
+  for (VertId& v : old2new) {
+    if (v != kNoVert) v = now(v);
+  }
   return old2new;
 }
 
@@ -41,13 +38,10 @@ IdVector<VertId, VertId> fill_gaps(TetMesh& m, MetricField& metric, const std::v
 
 bool are_few(std::size_t free_tets, std::size_t tets) noexcept { return kFew * free_tets <= tets; }
 
-IdVector<VertId, VertId> close_gaps(TetMesh& mesh, MetricField& metric) {
+IdVector<VertId, VertId> close_gaps(TetMesh& mesh) {
   const auto free_tets = free_slots<TetId>(mesh, mesh.tet_slots());
-  if (are_few(free_tets.size(), mesh.tet_slots())) return fill_gaps(mesh, metric, free_tets);
-  auto old2new = squeeze(mesh);
-  squeeze(metric.at, old2new, mesh.vert_slots());
-  squeeze(metric.log_at, old2new, mesh.vert_slots());
-  return old2new;
+  if (are_few(free_tets.size(), mesh.tet_slots())) return fill_gaps(mesh, free_tets);
+  return squeeze(mesh);
 }
 
 }  // namespace skein

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/tensor.hpp"
 #include "comm/halo.hpp"
-#include "metric/tensor.hpp"
 
 namespace skein {
 namespace {
@@ -55,9 +55,8 @@ void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> elem
     if (s[0] <= growth * s[2]) continue;
     const double factor = std::cbrt(s[0] / s[2] / growth);
     const double own_size = std::cbrt(6 * std::sqrt(2.0) * s[1] / s[2]);  // of the regular tetrahedron of this volume
-    double* d = dist.data.at(v);
-    const SymTensor l = coarser({d[0], d[1], d[2], d[3], d[4], d[5]}, factor, own_size);
-    d[0] = l.xx, d[1] = l.xy, d[2] = l.yy, d[3] = l.xz, d[4] = l.yz, d[5] = l.zz;
+    SymTensor& l = dist.mesh.log_metric[v];
+    l = coarser(l, factor, own_size);
   }
 }
 

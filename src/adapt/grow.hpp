@@ -18,7 +18,7 @@ struct CutLimits {
 /// nearly all of the final mesh, only these few can be distributed. @pre workers >= 1.
 CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int workers);
 
-/// Collective. Replaces the log-metric in dist.data by a coarser one where more than `growth` elements per tetrahedron
+/// Collective. Replaces the log-metric by a coarser one where more than `growth` elements per tetrahedron
 /// would come of it: its sizes are multiplied by a common factor, but made no larger than half of the mesh's own, so
 /// that nothing is removed that will be wanted again. @pre growth >= 8.
 void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> elements, double growth);

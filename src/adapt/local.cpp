@@ -8,7 +8,7 @@
 #include "adapt/gaps.hpp"
 #include "base/assert.hpp"
 #include "base/parallel.hpp"
-#include "kernel/passes.hpp"
+#include "kernel/recipe.hpp"
 #include "mesh/check.hpp"
 
 namespace skein {
@@ -19,6 +19,7 @@ constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which 
 void set_up(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
   part.spacing = o.spacing;
+  part.geometry = o.geometry;
   prepare(part);
 }
 
@@ -36,17 +37,15 @@ IdVector<VertId, VertId> identity_of_frozen(const TetMesh& mesh) {
   return out;
 }
 
-void run_alone(TetMesh& mesh, MetricField& metric, const LocalOptions& o, LocalResult& result) {
+void run_alone(TetMesh& mesh, const LocalOptions& o, LocalResult& result) {
   Part part;
   part.mesh = std::move(mesh);
-  part.metric = std::move(metric);
   set_up(part, o);
   const auto adapted = run(part);
   result.counts += part.counts;
   result.turning = part.turning;
   mesh = std::move(part.mesh);
-  metric = std::move(part.metric);
-  const auto now = close_gaps(mesh, metric);
+  const auto now = close_gaps(mesh);
   for (auto& v : result.old2new) {
     if (v != kNoVert) v = now[adapted[v]];
   }
@@ -66,10 +65,10 @@ auto longest_axis(const std::vector<Vec3>& points) {
 
 /// More than a tenth of the vertices, now or in the end, are frozen: a small part inside a refined interface. Cutting
 /// that once more gives blocks that are all interface, whose needles cost more than the threads gain.
-bool mostly_interface(const TetMesh& mesh, const MetricField& metric) {
+bool mostly_interface(const TetMesh& mesh) {
   std::int64_t frozen = 0;
-  for (const auto f : mesh.vert_flags) frozen += (f & kFrozen) != 0 ? 1 : 0;
-  return 10 * frozen > std::ssize(mesh.vert_flags.raw()) && 10 * frozen > expected_points(mesh, metric);
+  for (const VertState s : mesh.vert_state) frozen += any(s & kFrozen) ? 1 : 0;
+  return 10 * frozen > std::ssize(mesh.vert_state.raw()) && 10 * frozen > expected_points(mesh);
 }
 
 /// Slabs of equal numbers of tetrahedra across the longest side of the mesh: for a band, in which there is so little to
@@ -93,15 +92,14 @@ BlockLabels cut_slabs(const TetMesh& mesh, int slabs) {
 }
 
 /// One turn of all blocks in parallel. Updates old2new of frozen vertices and gives the vertices between the blocks.
-std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLabels& label, const LocalOptions& o,
-                               LocalResult& result) {
+std::vector<VertId> run_blocks(TetMesh& mesh, const BlockLabels& label, const LocalOptions& o, LocalResult& result) {
   const auto between = between_blocks(mesh, label);
   // A band grows by little, and all is put behind the first block in the end.
-  const auto points = o.kernel.only_retry ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh, metric));
+  const auto points = o.kernel.only_retry() ? mesh.vert_slots() : static_cast<std::size_t>(expected_points(mesh));
   // Points are created in two steps, and the interface is refined for each of them; to what is frozen, which is as it
   // is, in one, so that splits come as near to it as they may.
   const bool in_steps =
-      !o.kernel.only_retry && o.kernel.surface &&
+      !o.kernel.only_retry() && o.kernel.may_change_surface() &&
       std::all_of(result.old2new.begin(), result.old2new.end(), [](VertId v) { return v == kNoVert; });
   const auto share = points / static_cast<std::size_t>(o.threads);
   std::vector<Block> blocks(static_cast<std::size_t>(o.threads));
@@ -109,13 +107,13 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   const auto of = [](auto& list, int b) -> auto& { return list[b]; };
   const auto start = [&](int b) -> Block& {
     Block& block = of(blocks, b);
-    block = cut_block(mesh, metric, label, between, b);
+    block = cut_block(mesh, label, between, b);
     reserve(block.part, b == 0 ? points : share);
     set_up(block.part, o);
     return block;
   };
-  const auto take_first_step = [](Block& block) {
-    if (!refine_block_interface(block, kCoarse)) return false;
+  const auto take_first_step = [&](Block& block) {
+    if (!refine_block_interface(block, o.kernel.method.lengths.first_step)) return false;
     follow(block, create_coarse_points(block.part));
     return true;
   };
@@ -127,7 +125,6 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
   const bool coarse = std::find(refined.begin(), refined.end(), 0) != refined.end();  // all or none
   if (coarse) in_parallel(o.threads, [&](int b) { start(b); });
   mesh = TetMesh{};
-  metric = MetricField{};
   in_parallel(o.threads, [&](int b) {
     Block& block = of(blocks, b);
     seal_block(block, run(block.part));
@@ -141,62 +138,38 @@ std::vector<VertId> run_blocks(TetMesh& mesh, MetricField& metric, const BlockLa
     if (v != kNoVert) v = merged.old2new[v];
   }
   mesh = std::move(merged.mesh);
-  metric = std::move(merged.metric);
   return std::move(merged.between);
 }
 
-/// What goes with the vertices of the mesh that the threads share.
-class LocalVertices final : public VertexAttributes {
- public:
-  LocalVertices(MetricField& metric, std::span<VertId> frozen) : metric_(metric), frozen_(frozen) {}
-  void copy_metrics(std::span<const VertId> from, MetricField& field, VertId first) const override {
-    for (std::size_t i = 0; i < from.size(); ++i) field.copy(metric_, from[i], to_id<VertId>(idx(first) + i));
-  }
-  void reserve(std::size_t n) override { metric_.reserve(n); }
-  void resize(std::size_t n) override {
-    metric_.at.resize(n);
-    metric_.log_at.resize(n);
-  }
-  void set(VertId to, const MetricField& metric, VertId from) override { metric_.copy(metric, from, to); }
-  void move(VertId from, VertId to) override { metric_.copy(metric_, from, to); }
-  std::span<VertId> kept() override { return frozen_; }
-
- private:
-  MetricField& metric_;
-  std::span<VertId> frozen_;
-};
-
-bool is_good(const TetMesh& m, const MetricField& metric, TetId t) noexcept {
+bool is_good(const TetMesh& m, TetId t, double quality) noexcept {
   const auto& v = m.tet2vert[t];
   const auto x = [&](std::size_t i) { return m.coords[v[i]]; };
-  const auto g = [&](std::size_t i) -> const VertMetric& { return metric.at[v[i]]; };
-  return quality_cubed(x(0), x(1), x(2), x(3), g(0), g(1), g(2), g(3)) >= cube(kGoodQuality);
+  const auto g = [&](std::size_t i) -> const VertMetric& { return m.metric[v[i]]; };
+  return quality_cubed(x(0), x(1), x(2), x(3), g(0), g(1), g(2), g(3)) >= cube(quality);
 }
 
 /// Works on what the interfaces between blocks have retry back: the band round them is cut out, adapted and put back.
-void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& between, const LocalOptions& o,
-                 LocalResult& result) {
+void run_between(TetMesh& mesh, const std::vector<VertId>& between, const LocalOptions& o, LocalResult& result) {
   std::vector<VertId> frozen;
   for (const VertId v : result.old2new) {
     if (v != kNoVert) frozen.push_back(v);
   }
-  for (const VertId v : between) mesh.vert_flags[v] |= kRetry;
+  for (const VertId v : between) mesh.vert_state[v] |= kRetry;
   std::vector<VertId> retry;
   for (const VertId v : IdRange<VertId>(mesh.vert_slots())) {
     if (mesh.has(v, kRetry)) retry.push_back(v);
   }
-  LocalVertices data(metric, frozen);
   Surroundings near(mesh, std::move(retry));
   // One vertex further, but where everything is well already.
   near.add_tets();
-  near.add_vertices([&](TetId t) { return !is_good(mesh, metric, t); });
-  Band band = cut_band(mesh, data, std::move(near), o.threads);
+  near.add_vertices([&](TetId t) { return !is_good(mesh, t, o.kernel.method.retry.good_quality); });
+  Band band = cut_band(mesh, std::move(near), o.threads);
   LocalOptions of_band = o;
-  of_band.kernel.only_retry = true;
+  of_band.kernel.scope = Scope::kRetry;
   if (2 * band.mesh.tet_slots() > mesh.tet_slots()) of_band.threads = 1;
-  const LocalResult r = adapt_local(band.mesh, band.metric, of_band);
+  const LocalResult r = adapt_local(band.mesh, of_band);
   result.counts += r.counts;
-  put_back(mesh, data, band, r.old2new, o.threads);
+  put_back(mesh, band, r.old2new, frozen, o.threads);
   auto next = frozen.begin();
   for (VertId& v : result.old2new) {
     if (v != kNoVert) v = *next++;
@@ -205,18 +178,18 @@ void run_between(TetMesh& mesh, MetricField& metric, const std::vector<VertId>& 
 
 }  // namespace
 
-LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& o) {
+LocalResult adapt_local(TetMesh& mesh, const LocalOptions& o) {
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
-  const bool band = o.kernel.only_retry;  // nearly as it shall be, so its cut needs no refinement
+  const bool band = o.kernel.only_retry();  // nearly as it shall be, so its cut needs no refinement
   if (o.threads <= 1 || mesh.tet_slots() < (band ? o.smallest_band : kSmallest) * static_cast<std::size_t>(o.threads) ||
-      (!band && mostly_interface(mesh, metric))) {
-    run_alone(mesh, metric, o, result);
+      (!band && mostly_interface(mesh))) {
+    run_alone(mesh, o, result);
   } else {
-    const auto label = band ? cut_slabs(mesh, o.threads) : cut_blocks(mesh, metric, o.threads);
-    const auto between = run_blocks(mesh, metric, label, o, result);
-    run_between(mesh, metric, between, o, result);
+    const auto label = band ? cut_slabs(mesh, o.threads) : cut_blocks(mesh, o.threads);
+    const auto between = run_blocks(mesh, label, o, result);
+    run_between(mesh, between, o, result);
   }
   return result;
 }

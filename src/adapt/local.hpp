@@ -9,7 +9,8 @@ namespace skein {
 struct LocalOptions {
   int threads = 1;
   KernelOptions kernel;
-  const SpacingField* spacing = nullptr;
+  const SpacingField* spacing = nullptr;           ///< not owned
+  const Geometry* geometry = &default_geometry();  ///< not owned
   std::size_t smallest_band = 50'000;  ///< tetrahedra per thread below which a band, of which few change, is not cut
 };
 struct LocalResult {
@@ -22,7 +23,7 @@ struct LocalResult {
 /// Adapts the mesh where vertices are kActive, leaving kFrozen ones as they are, with `threads` threads: the mesh is
 /// cut into blocks, each adapted by a thread; then the interfaces of the blocks are moved and their bands worked on
 /// again. The result is compact; kActive is of no meaning in it. Not collective. The same input and threads give the
-/// same result.
-LocalResult adapt_local(TetMesh& mesh, MetricField& metric, const LocalOptions& options);
+/// same result. @pre the mesh has log_metric and metric.
+LocalResult adapt_local(TetMesh& mesh, const LocalOptions& options);
 
 }  // namespace skein

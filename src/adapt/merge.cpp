@@ -26,7 +26,7 @@ void seal_block(Block& block, const IdVector<VertId, VertId>& old2new) {
     p.free_tets = ascending(p.free_tets, p.mesh.tet_slots());
     p.free_verts = ascending(p.free_verts, p.mesh.vert_slots());
   } else {
-    up = close_gaps(p.mesh, p.metric);
+    up = close_gaps(p.mesh);
     p.free_tets.clear();
     p.free_verts.clear();
   }
@@ -102,8 +102,7 @@ class Joiner {
     make_room();
     in_parallel(threads_, [&](int w) { place_vertices(w); });
     for (const Piece& p : pieces_) {
-      // A block may have the middle of an edge's shell only and not know that a new vertex on it is on the surface.
-      for (const Twin& twin : p.twins) out_.mesh.vert_flags[number(twin.of_block, twin.of)] |= twin.flags;
+      for (const Twin& twin : p.twins) join_twin(twin);
     }
     std::vector<std::vector<FaceId>> open(blocks_.size());
     in_parallel(threads_, [&](int w) { place_tets(w, open[w]); });
@@ -119,7 +118,8 @@ class Joiner {
     VertId v;
     std::size_t of_block;
     VertId of;
-    std::uint8_t flags;
+    VertClass of_class;
+    VertState state;
   };
   struct Piece {
     std::vector<Twin> twins;                    ///< ascending
@@ -144,13 +144,15 @@ class Joiner {
               [](const Common& a, const Common& b) { return a.id != b.id ? a.id < b.id : a.block < b.block; });
     for (std::size_t i = 0, first = 0; i < all.size(); ++i) {
       if (all[i].id != all[first].id) first = i;
-      if (i != first) pieces_[all[i].block].twins.push_back({all[i].v, all[first].block, all[first].v, 0});
+      if (i != first) pieces_[all[i].block].twins.push_back({all[i].v, all[first].block, all[first].v, {}, {}});
     }
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       auto& twins = pieces_[b].twins;
       std::sort(twins.begin(), twins.end(), [](const Twin& x, const Twin& y) { return x.v < y.v; });
       for (Twin& twin : twins) {
-        twin.flags = static_cast<std::uint8_t>(blocks_[b].part.mesh.vert_flags[twin.v] & ~kFrozen);
+        const TetMesh& m = blocks_[b].part.mesh;
+        twin.of_class = m.vert_class[twin.v];
+        twin.state = m.vert_state[twin.v] & ~kFrozen;
       }
     }
   }
@@ -193,9 +195,9 @@ class Joiner {
   /// Frozen is now what was frozen before the cut.
   void thaw() {
     for (Block& b : blocks_) {
-      auto& flags = b.part.mesh.vert_flags;
-      for (const VertId v : b.common) flags[v] = static_cast<std::uint8_t>(flags[v] & ~kFrozen);
-      for (const VertId v : b.frozen) flags[v] |= kFrozen;
+      auto& state = b.part.mesh.vert_state;
+      for (const VertId v : b.common) state[v] &= ~kFrozen;
+      for (const VertId v : b.frozen) state[v] |= kFrozen;
     }
   }
 
@@ -219,20 +221,15 @@ class Joiner {
       for (const Twin& twin : pieces_[b].twins) pieces_[b].new_of[twin.v] = number(twin.of_block, twin.of);
     }
     out_.mesh = std::move(blocks_[0].part.mesh);
-    out_.metric = std::move(blocks_[0].part.metric);
     TetMesh& m = out_.mesh;
     grow_in_parallel(threads_, std::tie(m.tet2vert.raw(), m.tet2face.raw(), m.face_tag.raw(), m.tet_ref.raw()), nt);
-    grow_in_parallel(threads_,
-                     std::tie(out_.metric.at.raw(), out_.metric.log_at.raw(), m.coords.raw(), m.vert2tet.raw(),
-                              m.vert_ref.raw(), m.vert_flags.raw()),
-                     nv);
+    grow_verts(m, nv, threads_);
   }
 
   /// Thread w's share of the vertices of every block but the first.
   void place_vertices(int w) {
     for (std::size_t b = 1; b < blocks_.size(); ++b) {
       const TetMesh& m = blocks_[b].part.mesh;
-      const MetricField& metric = blocks_[b].part.metric;
       Piece& p = pieces_[b];
       const std::size_t n = m.vert_slots(), end = share_begin(n, w + 1, threads_);
       const auto begin = to_id<VertId>(share_begin(n, w, threads_));
@@ -240,16 +237,18 @@ class Joiner {
       std::size_t at = p.first_vert + idx(begin) - gone_below(b, begin);
       for (const VertId v : IdRange<VertId>(idx(begin), end)) {
         if (gone(v)) continue;
-        const VertId to = vert_places_(at++);
-        p.new_of[v] = to;
-        out_.mesh.coords[to] = m.coords[v];
-        out_.mesh.vert_ref[to] = m.vert_ref[v];
-        out_.mesh.vert_flags[to] = m.vert_flags[v];
+        const VertId to = p.new_of[v] = vert_places_(at++);
+        copy_entries(out_.mesh, to, m, v);
         out_.mesh.vert2tet[to] = number(b, m.vert2tet[v]);
-        out_.metric.at[to] = metric.at[v];
-        out_.metric.log_at[to] = metric.log_at[v];
       }
     }
+  }
+
+  /// A block may have the middle of an edge's shell only and not know that a new vertex on it is on the surface.
+  void join_twin(const Twin& twin) {
+    const VertId v = number(twin.of_block, twin.of);
+    out_.mesh.vert_class[v] |= twin.of_class;
+    out_.mesh.vert_state[v] |= twin.state;
   }
 
   /// Thread w's share of the tetrahedra of every block. `open`: faces between parts.
@@ -295,7 +294,7 @@ class Joiner {
   /// The first block may have more free slots than the others have items.
   void close_what_is_left() {
     if (added_tets_ >= tet_places_.free().size() && added_verts_ >= vert_places_.free().size()) return;
-    const auto now = close_gaps(out_.mesh, out_.metric);
+    const auto now = close_gaps(out_.mesh);
     for (VertId& v : out_.between) v = now[v];
     std::sort(out_.between.begin(), out_.between.end());
     for (VertId& v : out_.old2new) {

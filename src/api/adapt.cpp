@@ -13,6 +13,7 @@
 #include "dist/gather_slices.hpp"
 #include "report/statistics.hpp"
 #include "skein/skein.hpp"
+#include "solution/transfer.hpp"
 
 namespace skein {
 namespace {
@@ -53,8 +54,8 @@ AdaptationOptions to_internal(const Options& o, Target::Kind kind) {
   a.metric.gradation = o.gradation.value_or(usual_gradation(a.metric.source));
   a.adapt.rounds = o.rounds;
   a.adapt.threads = o.threads;
-  a.adapt.points = o.points == Options::Points::kCentroids ? PointCreation::kCentroids : PointCreation::kEdges;
-  a.adapt.smoothing = o.smoothing == Options::Smoothing::kSprings ? Smoothing::kSprings : Smoothing::kQuality;
+  a.adapt.method.points = o.points == Options::Points::kCentroids ? PointCreation::kCentroids : PointCreation::kEdges;
+  a.adapt.method.smoothing = o.smoothing == Options::Smoothing::kSprings ? Smoothing::kSprings : Smoothing::kQuality;
   a.adapt.surface = o.surface;
   return a;
 }
@@ -135,7 +136,7 @@ class Watch {
 /// Numbers at the vertices in one array, as they travel: the target's, then the fields'.
 int width_of(Target::Kind kind) noexcept { return kind == Target::Kind::kMetric ? 6 : 1; }
 
-FieldSlice field_slice(const MeshSlice& mesh, std::vector<double> values, int width, const char* name) {
+FieldSlice slice_at(const MeshSlice& mesh, std::vector<double> values, int width, const char* name) {
   FieldSlice f;
   f.path = name, f.first_number = mesh.first_number;
   f.total = mesh.total_verts, f.first = mesh.first_vert;
@@ -155,11 +156,11 @@ AdaptationInput to_input(const Comm& comm, SlicedMesh mesh, Target target, Field
   in.carried = fields.width;
   agree(comm, [&] {
     if (in.mesh.tets.total == 0) throw Error(ExitCode::kInput, "the mesh has no tetrahedra");
-    FieldSlice given = field_slice(in.mesh, std::move(target.values), width_of(target.kind), name_of(source));
+    FieldSlice given = slice_at(in.mesh, std::move(target.values), width_of(target.kind), name_of(source));
     given.kinds = {source == MetricSource::kTensors ? FieldKind::kTensor : FieldKind::kScalar};
     in.values = metric_values(std::move(given), source);
     if (fields.width == 0) return;
-    const FieldSlice carried = field_slice(in.mesh, std::move(fields.values), fields.width, "the fields");
+    const FieldSlice carried = slice_at(in.mesh, std::move(fields.values), fields.width, "the fields");
     for (const double x : carried.values) {
       if (!std::isfinite(x)) throw Error(ExitCode::kInput, "the fields: a number is not finite");
     }
@@ -183,28 +184,24 @@ AdaptationInput to_input(const Comm& comm, PartitionedMesh mesh, Target target, 
   return to_input(comm, std::move(parts.mesh), std::move(target), std::move(fields));
 }
 
-SymTensor tensor(const double* d) noexcept { return {d[0], d[1], d[2], d[3], d[4], d[5]}; }
-
-/// Splits numbers per vertex, log-metric and fields, into what the caller gets.
-template <class Mesh>
-void take_values(std::vector<double> values, int carried, bool metric_too, Adapted<Mesh>& out) {
-  out.fields = {carried, columns(values, 6 + carried, 6, carried)};
-  if (!metric_too) return;
-  out.metric = columns(values, 6 + carried, 0, 6);
-  for (std::size_t i = 0; i < out.metric.size(); i += 6) {
-    double* const d = out.metric.data() + i;
-    const SymTensor m = exp(tensor(d));
+/// The metric as the caller gets it, from its logarithm; both 6 numbers per vertex.
+std::vector<double> metric_of_log(std::vector<double> values) {
+  for (std::size_t i = 0; i + 6 <= values.size(); i += 6) {
+    double* const d = values.data() + i;
+    const SymTensor m = exp(SymTensor{d[0], d[1], d[2], d[3], d[4], d[5]});
     d[0] = m.xx, d[1] = m.xy, d[2] = m.yy, d[3] = m.xz, d[4] = m.yz, d[5] = m.zz;
   }
+  return values;
 }
 
 /// Collective. The result in slices.
 Adapted<SlicedMesh> sliced_result(const Comm& comm, DistMesh dist, int carried, bool metric_too) {
   Adapted<SlicedMesh> out;
-  std::vector<double> values = data_slice(comm, dist);
+  out.fields.width = carried;
+  if (carried > 0) out.fields.values = field_slice(comm, dist);
+  if (metric_too) out.metric = metric_of_log(to_metric_slices(comm, dist).values);
   MeshSlice slices = to_slices(comm, dist);
   dist = {};
-  take_values(std::move(values), carried, metric_too, out);
   out.mesh = to_sliced_mesh(std::move(slices));
   return out;
 }
@@ -212,8 +209,10 @@ Adapted<SlicedMesh> sliced_result(const Comm& comm, DistMesh dist, int carried, 
 /// Collective. The result in parts.
 Adapted<PartitionedMesh> parts_result(const Comm& comm, DistMesh dist, int carried, bool metric_too) {
   Adapted<PartitionedMesh> out;
+  out.fields.width = carried;
+  if (carried > 0) out.fields.values = std::move(dist.mesh.fields.values);
+  if (metric_too) out.metric = metric_of_log(fields_of(dist.mesh.log_metric).values);
   out.mesh = to_partitioned_mesh(comm, std::move(dist));
-  take_values(std::move(dist.data.values), carried, metric_too, out);
   return out;
 }
 

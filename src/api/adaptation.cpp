@@ -43,34 +43,29 @@ void note_transfer(PhaseLog& log, const TransferReport& r) {
 
 std::int64_t local_tets(const DistMesh& dist) noexcept { return static_cast<std::int64_t>(dist.mesh.tet_slots()); }
 
-/// Takes the last `width` numbers of each vertex out of the mesh's data.
-VertexData take_carried(DistMesh& dist, int width) {
-  VertexData rest, carried;
-  rest.width = dist.data.width - width, carried.width = width;
-  for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    const double* d = dist.data.at(v);
-    rest.values.insert(rest.values.end(), d, d + rest.width);
-    carried.values.insert(carried.values.end(), d + rest.width, d + dist.data.width);
-  }
-  dist.data = std::move(rest);
+/// Takes the last `width` numbers of each vertex out of the mesh's fields.
+VertFields take_carried(DistMesh& dist, int width) {
+  VertFields& all = dist.mesh.fields;
+  if (width == 0) return {};
+  const int keep = all.width - width;
+  VertFields carried{width, columns(all.values, all.width, keep, width)};
+  all = {keep, columns(all.values, all.width, 0, keep)};
   return carried;
 }
 
 /// Collective. The old mesh with the fields on it, until they arrive at the new one.
 class Carrier {
  public:
-  Carrier(const Comm& comm, DistMesh& dist, VertexData fields) {
+  Carrier(const Comm& comm, DistMesh& dist, VertFields fields) {
     if (fields.width > 0) old_.emplace(comm, dist, std::move(fields));
   }
   [[nodiscard]] bool has_any() const noexcept { return old_.has_value(); }
-  /// Collective. Puts them behind the data of the new mesh and forgets the old one.
+  /// Collective. Puts them onto the new mesh and forgets the old one.
   void arrive(DistMesh& dist, int threads, PhaseLog& log) {
     log.start("transfer fields");
     TransferReport report;
-    const VertexData carried = old_->at_vertices(dist, threads, &report);
+    dist.mesh.fields = old_->at_vertices(dist, threads, &report);
     old_.reset();
-    dist.data.values = side_by_side(dist.data.values, dist.data.width, carried.values, carried.width);
-    dist.data.width += carried.width;
     log.finish(local_tets(dist));
     note_transfer(log, report);
   }
@@ -80,8 +75,10 @@ class Carrier {
 };
 
 /// Collective. The slices are gone when it returns.
-DistMesh distribute_input(const Comm& comm, AdaptationInput input, const DistributeOptions& options, PhaseLog& log) {
+DistMesh distribute_input(const Comm& comm, AdaptationInput input, const AdaptationOptions& o, PhaseLog& log) {
   log.start("distribute");
+  DistributeOptions options = o.distribute;
+  options.metric_first = o.metric.source != MetricSource::kField;
   DistributeReport found;
   DistMesh dist = distribute(comm, input.mesh, &input.values, options, &found);
   log.finish(local_tets(dist));
@@ -106,10 +103,10 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
     if (step_done) step_done(step);
   };
   const int width = input.carried;
-  DistMesh dist = distribute_input(comm, std::move(input), options.distribute, log);
+  DistMesh dist = distribute_input(comm, std::move(input), options, log);
 
   log.start("metric");
-  VertexData fields = take_carried(dist, width);
+  VertFields fields = take_carried(dist, width);
   const GradationReport graded = make_metric(comm, dist, options.metric);
   Carrier carrier(comm, dist, std::move(fields));
   log.finish(local_tets(dist));

@@ -33,9 +33,9 @@ double usual_gradation(MetricSource source) noexcept;
 FieldSlice side_by_side(FieldSlice a, const FieldSlice& b);
 
 /// Collective. Distributes, makes the metric, adapts and carries the fields over; each is a phase of the log, and what
-/// was found on the way a note. The input is freed as early as can be. The data of the result are the logarithm of the
-/// metric and the carried numbers. `step_done` is told the name of each part of the way when it is behind:
-/// "distribute", "adapt", "transfer" (if anything is carried).
+/// was found on the way a note. The input is freed as early as can be. The result has the logarithm of the metric in
+/// its column log_metric, and the carried numbers in `fields`. `step_done` is told the name of each part of the way
+/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried).
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
                         const std::function<void(const std::string&)>& step_done = {});
 

@@ -261,7 +261,7 @@ void slice_entities(const Comm& comm, const std::vector<std::array<std::int32_t,
 
 // --- back
 
-std::vector<std::int32_t> flagged(const TetMesh& mesh, VertFlag flag) {
+std::vector<std::int32_t> flagged(const TetMesh& mesh, VertClass flag) {
   std::vector<std::int32_t> out;
   for (const VertId v : IdRange<VertId>(mesh.vert_slots())) {
     if (mesh.has(v, flag)) out.push_back(num(v));

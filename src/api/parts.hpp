@@ -20,7 +20,7 @@ struct SlicedParts {
 /// vertex at different places.
 SlicedParts to_slices(const Comm& comm, PartitionedMesh mesh, std::vector<double> values, std::size_t width);
 
-/// Collective. The parts as arrays: local numbers are those of `dist`, whose mesh is taken apart; its data stay.
+/// Collective. The parts as arrays: local numbers are those of `dist`, which is taken apart.
 PartitionedMesh to_partitioned_mesh(const Comm& comm, DistMesh&& dist);
 
 }  // namespace skein

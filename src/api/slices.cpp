@@ -94,11 +94,12 @@ MeshSlice to_mesh_slice(const Comm& comm, SlicedMesh m) {
   return s;
 }
 
-std::vector<double> data_slice(const Comm& comm, const DistMesh& dist) {
+std::vector<double> field_slice(const Comm& comm, const DistMesh& dist) {
   const auto owned = owned_verts(comm, dist);
+  const VertFields& fields = dist.mesh.fields;
   std::vector<double> out;
   for (const VertId v : IdRange<VertId>(owned.size())) {
-    if (owned[v] != 0) out.insert(out.end(), dist.data.at(v), dist.data.at(v) + dist.data.width);
+    if (owned[v] != 0) out.insert(out.end(), fields.at(v), fields.at(v) + fields.width);
   }
   return out;
 }

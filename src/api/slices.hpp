@@ -19,8 +19,8 @@ namespace skein {
 /// references that are not as many as their entities, and for numbers out of range in the lists of corners and so on.
 MeshSlice to_mesh_slice(const Comm& comm, SlicedMesh mesh);
 
-/// Collective. All data at the vertices, in the order of to_slices().
-std::vector<double> data_slice(const Comm& comm, const DistMesh& dist);
+/// Collective. The fields at the vertices, in the order of to_slices().
+std::vector<double> field_slice(const Comm& comm, const DistMesh& dist);
 
 /// The arrays of what to_slices() gives. Not collective.
 SlicedMesh to_sliced_mesh(MeshSlice slice);

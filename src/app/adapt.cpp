@@ -89,8 +89,8 @@ AdaptationOptions to_adaptation(const Options& o) {
   a.metric = o.metric.policy();
   a.adapt = o.adapt;
   a.adapt.threads = o.run.threads;
-  a.adapt.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
-  a.adapt.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
+  a.adapt.method.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
+  a.adapt.method.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
   a.adapt.surface = !o.no_surface;
   return a;
 }

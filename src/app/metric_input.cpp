@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "base/tensor.hpp"
 #include "io/mesh_io.hpp"
 
 namespace skein::app {

@@ -8,10 +8,10 @@
 
 #include "app/files.hpp"
 #include "app/large_blocks.hpp"
+#include "base/tensor.hpp"
 #include "base/text.hpp"
 #include "dist/gather_slices.hpp"
 #include "io/mesh_io.hpp"
-#include "metric/tensor.hpp"
 #include "report/statistics.hpp"
 #include "report/statistics_json.hpp"
 
@@ -22,7 +22,7 @@ const char* kLaunchers[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "SL
 
 /// The metric itself, from its logarithm.
 FieldSlice metric_slices(const Comm& comm, const DistMesh& dist) {
-  FieldSlice f = to_field_slices(comm, dist, 0, {FieldKind::kTensor});
+  FieldSlice f = to_metric_slices(comm, dist);
   for (std::size_t i = 0; i + 6 <= f.values.size(); i += 6) {
     double* v = f.values.data() + i;
     const SymTensor m = exp(SymTensor{v[0], v[1], v[2], v[3], v[4], v[5]});
@@ -74,13 +74,13 @@ void RunRecord::finish(const Comm& comm, DistMesh dist, const FieldsOut& fields)
   const auto tets = static_cast<std::int64_t>(dist.mesh.tet_slots());
   FieldSlice values, metric;
   if (!fields.kinds.empty()) {
-    values = to_field_slices(comm, dist, 6, fields.kinds);
+    values = to_field_slices(comm, dist, fields.kinds);
     values.names = fields.names;
   }
   if (!run_.metric_out.empty()) metric = metric_slices(comm, dist);
   MeshSlice mesh = to_slices(comm, dist);
   // The system copies what is written, and memory that it has back is faster than such as nobody has used before.
-  dist.mesh = {}, dist.data = {}, dist.vert2gid = {};
+  dist.mesh = {}, dist.vert2gid = {};
   give_back_spare_blocks();
   write_mesh(comm, run_.output, mesh, fields.kinds.empty() ? nullptr : &values);
   mesh = {};

@@ -27,7 +27,7 @@ void require_outputs(const Comm& comm, const RunOptions& o);
 /// which collects the output of the ranks), plain lines elsewhere.
 PhaseLog::Output progress_output(bool quiet);
 
-/// Fields on the new mesh: data numbers 6, 7, ... of the vertices.
+/// Fields on the new mesh: its column `fields`.
 struct FieldsOut {
   std::string path;  ///< .sol or .solb; empty: with the mesh only (.vtu, .pvtu)
   std::vector<FieldKind> kinds;
@@ -47,7 +47,7 @@ class RunRecord {
   /// Seconds since the last lap (or the beginning) belong to `name`. Not collective.
   void lap(const std::string& name);
   /// Collective. The rest of the flow: statistics, writing of mesh, metric, fields and report. The log-metric is the
-  /// first 6 numbers of dist.data.
+  /// column log_metric.
   void finish(const Comm& comm, DistMesh dist, const FieldsOut& fields = {});
 
  private:

@@ -26,7 +26,9 @@ ExitCode stats(const Comm& comm, const Options& o) {
   const MeshSlice mesh = read_mesh(comm, o.input);
   FieldSlice metric;
   if (o.metric.given()) metric = read_metric(comm, mesh, o.metric);
-  DistMesh dist = distribute(comm, mesh, o.metric.given() ? &metric : nullptr);
+  DistributeOptions options;
+  options.metric_first = o.metric.field.empty();
+  DistMesh dist = distribute(comm, mesh, o.metric.given() ? &metric : nullptr, options);
   if (o.metric.given()) make_metric(comm, dist, o.metric.policy());
   const MeshStatistics s = statistics(comm, dist, o.metric.given());
   if (comm.is_root()) fmt::print("{}", o.json ? to_json(s).dump() + "\n" : to_text(s));

@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <exception>
 #include <tuple>
@@ -50,28 +51,40 @@ constexpr int threads_for(std::size_t n, int threads) noexcept {
   return n / kEnough >= static_cast<std::size_t>(threads) ? threads : std::max(1, static_cast<int>(n / kEnough));
 }
 
-/// Grows some vectors to n items each. A page of memory costs more when it is touched for the first time than when it
-/// is filled, so the threads touch them all first, then each clears whole vectors.
+/// Grows some vectors to so many items each (n[i]: of the i-th); longer ones stay as they are. A page of memory costs
+/// more when it is touched for the first time than when it is filled, so the threads touch them all first, then each
+/// clears whole vectors.
 template <class... T>
-void grow_in_parallel(int threads, std::tuple<std::vector<T>&...> vectors, std::size_t n) {
+void grow_in_parallel(int threads, std::tuple<std::vector<T>&...> vectors,
+                      std::array<std::size_t, sizeof...(T)> sizes) {
   constexpr std::size_t kPage = 4096;
-  const auto touch = [&](auto& v, int w) {
+  const auto touch = [](auto& v, std::size_t n, int w, int threads) {
     if (n <= v.size()) return;
     auto* const begin = reinterpret_cast<volatile char*>(v.data() + v.size());
     const std::size_t bytes = (n - v.size()) * sizeof(v[0]);
     for (std::size_t i = share_begin(bytes, w, threads); i < share_begin(bytes, w + 1, threads); i += kPage)
       begin[i] = 0;
   };
-  std::apply([&](auto&... v) { (v.reserve(n), ...); }, vectors);
-  in_parallel(threads, [&](int w) { std::apply([&](auto&... v) { (touch(v, w), ...); }, vectors); });
+  const auto for_each = [&](auto&& f) {  // f(vector, size)
+    std::size_t i = 0;
+    std::apply([&](auto&... v) { (f(v, sizes[i++]), ...); }, vectors);
+  };
+  for_each([](auto& v, std::size_t n) { v.reserve(n); });
+  in_parallel(threads, [&](int w) { for_each([&](auto& v, std::size_t n) { touch(v, n, w, threads); }); });
   const int at_once = std::min(threads, static_cast<int>(sizeof...(T)));
   in_parallel(at_once, [&](int w) {
     int at = 0;
-    const auto clear = [&](auto& v) {
+    for_each([&](auto& v, std::size_t n) {
       if (at++ % at_once == w && n > v.size()) v.resize(n);
-    };
-    std::apply([&](auto&... v) { (clear(v), ...); }, vectors);
+    });
   });
+}
+/// The same, to n items each.
+template <class... T>
+void grow_in_parallel(int threads, std::tuple<std::vector<T>&...> vectors, std::size_t n) {
+  std::array<std::size_t, sizeof...(T)> sizes;
+  sizes.fill(n);
+  grow_in_parallel(threads, vectors, sizes);
 }
 
 template <class T>

@@ -11,8 +11,10 @@ namespace skein {
 struct DistributeOptions {
   double ridge_angle = 45;   ///< degrees between the normals of two faces, above which their edge is a ridge
   double corner_angle = 45;  ///< degrees of bend between two ridge edges, above which their vertex is a corner
-  bool work_from_metric =
-      false;  ///< the first 6 field numbers are a log-metric: balance predicted work, not tetrahedra
+  /// The first 6 numbers of the fields are a log-metric (Medit order): they become the column log_metric, what is left
+  /// becomes `fields`.
+  bool metric_first = false;
+  bool work_from_metric = false;  ///< with metric_first: balance predicted work, not tetrahedra
 };
 
 /// What was found in the file; the same on every rank.
@@ -27,7 +29,8 @@ struct DistributeReport {
 
 /// Collective. The mesh of all ranks' slices, partitioned along the Hilbert curve; tetrahedra in Hilbert order,
 /// vertices in the order of their first tetrahedron. Global ids are the vertex numbers of the file from 0 (unused
-/// vertices leave gaps). `fields` (or null), at the same vertices in the same slices, becomes data.
+/// vertices leave gaps). `fields` (or null), at the same vertices in the same slices, becomes the column
+/// `fields`.
 ///
 /// Tags: a face with a triangle of the file gets its reference as patch; the hull without triangle becomes a patch of
 /// its own with a new reference (highest + 1), faces between two tetrahedron references without triangle

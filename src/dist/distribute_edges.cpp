@@ -168,11 +168,11 @@ std::vector<GlobalId> split_fans(std::vector<FaceCorner> corners) {
 }
 
 /// kRidge and kCorner of a vertex by the features at it.
-std::uint8_t flags_by_features(std::span<const FeatureEnd> at, double straight) noexcept {
-  if (at.empty()) return 0;
+VertClass flags_by_features(std::span<const FeatureEnd> at, double straight) noexcept {
+  if (at.empty()) return {};
   const bool corner = at.size() != 2 || at[0].ref != at[1].ref || at[0].ridge != at[1].ridge ||
                       dot(at[0].along, at[1].along) > -straight;
-  return static_cast<std::uint8_t>(kRidge | (corner ? kCorner : 0));
+  return corner ? kRidge | kCorner : kRidge;
 }
 
 std::span<const FeatureEnd> features_at(const std::vector<FeatureEnd>& ends, GlobalId v) {
@@ -203,7 +203,7 @@ std::vector<Feature> ask_features(const FileSource& src, Growing& g, const std::
   const Inquiry<GlobalId> inquiry(src.comm, dest, questions);
   const double straight = cos_degrees(src.options.corner_angle);
   const auto& asked = inquiry.asked();
-  std::vector<std::uint8_t> flags;
+  std::vector<VertClass> flags;
   Mail<Feature> mail;
   for (std::size_t b = 0; b < asked.blocks(); ++b) {
     for (const GlobalId v : asked.block(b)) {
@@ -216,7 +216,7 @@ std::vector<Feature> ask_features(const FileSource& src, Growing& g, const std::
   }
   const auto answer = inquiry.answer(flags);
   for (std::size_t i = 0; i < verts.size(); ++i)
-    m.vert_flags[verts[i]] = static_cast<std::uint8_t>((m.vert_flags[verts[i]] & ~kRidge) | answer[i]);
+    m.vert_class[verts[i]] = (m.vert_class[verts[i]] & ~kRidge) | answer[i];
   return mail.send(src.comm);
 }
 
@@ -288,11 +288,11 @@ void find_features(const FileSource& src, Growing& g, DistributeReport& report) 
     is_split.push_back(std::binary_search(fans.begin(), fans.end(), v) ? 1 : 0);
   const auto answer = inquiry.answer(is_split);
   for (std::size_t i = 0; i < verts.size(); ++i) {
-    if (answer[i] != 0) g.dist.mesh.vert_flags[verts[i]] |= kCorner;
+    if (answer[i] != 0) g.dist.mesh.vert_class[verts[i]] |= kCorner;
   }
   for (const GlobalId v : fans) {
     const VertId here = g.gid2vert.find(v);
-    if (here != kNoVert) g.dist.mesh.vert_flags[here] |= kCorner;
+    if (here != kNoVert) g.dist.mesh.vert_class[here] |= kCorner;
   }
 }
 

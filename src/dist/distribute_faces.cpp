@@ -273,7 +273,7 @@ void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& re
     m.tag(faces[i]) = verdicts[i].tag;
     if (verdicts[i].speaks != 0) g.speakers.push_back(faces[i]);
     if (verdicts[i].tag == 0) continue;
-    for (const VertId v : m.verts(faces[i])) m.vert_flags[v] |= kSurface;
+    for (const VertId v : m.verts(faces[i])) m.vert_class[v] |= kSurface;
   }
 }
 

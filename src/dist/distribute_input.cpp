@@ -60,47 +60,50 @@ void check_coordinates(const FileSource& src) {
 }
 
 /// A mark for one item of a list that another rank may own.
+template <class Bits>
 struct Mark {
   std::int64_t item;
-  std::uint8_t bits;
+  Bits bits;
 };
 
 /// Collective. The marks, joined, of the local items first .. first + n - 1.
-std::vector<std::uint8_t> deliver_marks(const Comm& comm, const Blocks& blocks, std::int64_t first, std::size_t n,
-                                        const std::vector<Mark>& marks) {
+template <class Bits>
+std::vector<Bits> deliver_marks(const Comm& comm, const Blocks& blocks, std::int64_t first, std::size_t n,
+                                const std::vector<Mark<Bits>>& marks) {
   std::vector<Rank> dest(marks.size());
   std::vector<std::int64_t> items(marks.size());
   for (std::size_t i = 0; i < marks.size(); ++i) {
     dest[i] = blocks.owner(marks[i].item);
-    items[i] = marks[i].item << 8 | marks[i].bits;
+    items[i] = marks[i].item << 8 | static_cast<std::int64_t>(marks[i].bits);
   }
-  std::vector<std::uint8_t> out(n, 0);
+  std::vector<Bits> out(n, Bits{});
   for (const std::int64_t m : exchange_items(comm, dest, items).items) {
     const auto at = static_cast<std::size_t>((m >> 8) - first);
-    if (at < n) out[at] = static_cast<std::uint8_t>(out[at] | (m & 0xff));
+    if (at < n) out[at] = static_cast<Bits>(static_cast<std::int64_t>(out[at]) | (m & 0xff));
   }
   return out;
 }
 
-void mark_list(const VertexListSlice& list, std::int64_t total, std::uint8_t bits, std::vector<Mark>& marks) {
+template <class Bits>
+void mark_list(const VertexListSlice& list, std::int64_t total, Bits bits, std::vector<Mark<Bits>>& marks) {
   for (const GlobalId g : list.verts) {
     if (num(g) >= 0 && num(g) < total) marks.push_back({num(g), bits});
   }
 }
 
-void deliver_vertex_flags(FileSource& src, const std::vector<std::uint8_t>& edge_required) {
+void deliver_vertex_classes(FileSource& src, const std::vector<std::uint8_t>& edge_required) {
   const MeshSlice& f = src.file;
-  std::vector<Mark> marks;
+  std::vector<Mark<VertClass>> marks;
   mark_list(f.corners, f.total_verts, kCorner, marks);
   mark_list(f.required_verts, f.total_verts, kRequired, marks);
   for (const auto& tri : f.triangles.verts) {
     for (const GlobalId v : tri) marks.push_back({num(v), kSurface});
   }
   for (std::size_t i = 0; i < f.edges.verts.size(); ++i) {
-    const auto bits = static_cast<std::uint8_t>(kRidge | (edge_required[i] != 0 ? kRequired : 0));
+    const VertClass bits = edge_required[i] != 0 ? kRidge | kRequired : kRidge;
     for (const GlobalId v : f.edges.verts[i]) marks.push_back({num(v), bits});
   }
-  src.vert_flags = deliver_marks(src.comm, src.vert_blocks, f.first_vert, f.coords.size(), marks);
+  src.vert_class = deliver_marks(src.comm, src.vert_blocks, f.first_vert, f.coords.size(), marks);
 }
 
 }  // namespace
@@ -113,19 +116,20 @@ FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice
   check_entities(src, file.tets, "tetrahedra", true);
   check_entities(src, file.triangles, "triangles", true);
   check_entities(src, file.edges, "edges", false);
-  std::vector<Mark> marks;
-  mark_list(file.ridges, file.edges.total, 1, marks);
-  mark_list(file.required_edges, file.edges.total, 3, marks);
+  using Bits = std::uint8_t;
+  std::vector<Mark<Bits>> marks;
+  mark_list(file.ridges, file.edges.total, Bits{1}, marks);
+  mark_list(file.required_edges, file.edges.total, Bits{3}, marks);
   src.edge_is_ridge =
       deliver_marks(comm, Blocks(comm, file.edges.first), file.edges.first, file.edges.verts.size(), marks);
   auto edge_required = src.edge_is_ridge;
   for (auto& e : edge_required) e = e >> 1 & 1;
   for (auto& e : src.edge_is_ridge) e = e & 1;
   marks.clear();
-  mark_list(file.required_triangles, file.triangles.total, 1, marks);
+  mark_list(file.required_triangles, file.triangles.total, Bits{1}, marks);
   src.triangle_required =
       deliver_marks(comm, Blocks(comm, file.triangles.first), file.triangles.first, file.triangles.verts.size(), marks);
-  deliver_vertex_flags(src, edge_required);
+  deliver_vertex_classes(src, edge_required);
   return src;
 }
 
@@ -147,6 +151,9 @@ std::size_t local(const FileSource& src, GlobalId g) noexcept {
   return static_cast<std::size_t>(num(g) - src.file.first_vert);
 }
 
+/// The first numbers of the fields are the log-metric.
+bool has_metric(const FileSource& src) noexcept { return src.options.metric_first && src.fields != nullptr; }
+
 /// A vertex as a tetrahedron's destination depends on it.
 struct Site {
   Vec3 x;
@@ -156,7 +163,7 @@ struct Site {
 /// The slice's tetrahedra with their Hilbert keys, and the rank of each.
 std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   const auto& tets = src.file.tets;
-  const bool metric = src.options.work_from_metric && src.fields != nullptr && src.fields->width >= 6;
+  const bool metric = src.options.work_from_metric && has_metric(src);
   GidMap gids(tets.verts.size() / 4 + 16, src.file.total_verts);
   std::vector<std::array<VertId, 4>> verts(tets.verts.size());
   for (std::size_t i = 0; i < verts.size(); ++i) {
@@ -226,10 +233,37 @@ Growing gather_tets(const FileSource& src) {
 struct FileVert {
   Vec3 x;
   std::int32_t ref;
-  std::uint8_t flags;
+  VertClass vert_class;
   std::uint8_t many;
   std::uint16_t unused;
 };
+
+/// Collective. The numbers of the fields at the vertices asked for.
+std::vector<double> fetch_fields(const FileSource& src, const Inquiry<GlobalId>& inquiry) {
+  const auto& asked = inquiry.asked().items;
+  const auto width = static_cast<std::size_t>(src.fields->width);
+  std::vector<double> values(asked.size() * width);
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    std::copy_n(src.fields->values.data() + local(src, asked[i]) * width, width, values.data() + i * width);
+  return inquiry.answer(values, width);
+}
+
+/// Shares them out among the columns.
+void set_fields(const FileSource& src, TetMesh& m, std::vector<double> values) {
+  if (!has_metric(src)) {
+    m.fields = {src.fields->width, std::move(values)};
+    return;
+  }
+  const auto width = static_cast<std::size_t>(src.fields->width);
+  m.log_metric.resize(m.vert_slots());
+  m.fields.width = src.fields->width - 6;
+  m.fields.values.reserve(values.size() - 6 * m.vert_slots());
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    const double* l = values.data() + idx(v) * width;
+    m.log_metric[v] = {l[0], l[1], l[2], l[3], l[4], l[5]};
+    m.fields.values.insert(m.fields.values.end(), l + 6, l + width);
+  }
+}
 
 void fetch_vertices(const FileSource& src, Growing& g, DistributeReport& report) {
   const auto inquiry = ask_vertices(src, g.gid2vert.gids());
@@ -242,29 +276,24 @@ void fetch_vertices(const FileSource& src, Growing& g, DistributeReport& report)
   for (const GlobalId a : asked) {
     const std::size_t v = local(src, a);
     const auto many = static_cast<std::uint8_t>(asks[v] > 1 ? 1 : 0);
-    answers.push_back({src.file.coords[v], src.file.vert_ref[v], src.vert_flags[v], many, 0});
+    answers.push_back({src.file.coords[v], src.file.vert_ref[v], src.vert_class[v], many, 0});
   }
   const auto verts = inquiry.answer(answers);
   TetMesh& m = g.dist.mesh;
   m.coords.resize(verts.size());
   m.vert_ref.resize(verts.size());
-  m.vert_flags.resize(verts.size());
+  m.vert_class.resize(verts.size());
+  m.vert_state.resize(verts.size());
   g.many.resize(verts.size());
   for (const VertId v : IdRange<VertId>(verts.size())) {
     const FileVert& in = verts[idx(v)];
     m.coords[v] = in.x;
     m.vert_ref[v] = in.ref;
-    m.vert_flags[v] = in.flags;
+    m.vert_class[v] = in.vert_class;
     g.many[v] = in.many;
   }
   g.dist.vert2gid = IdVector<VertId, GlobalId>(g.gid2vert.gids());
-  if (src.fields == nullptr) return;
-  const auto width = static_cast<std::size_t>(src.fields->width);
-  std::vector<double> values(asked.size() * width);
-  for (std::size_t i = 0; i < asked.size(); ++i)
-    std::copy_n(src.fields->values.data() + local(src, asked[i]) * width, width, values.data() + i * width);
-  g.dist.data.width = src.fields->width;
-  g.dist.data.values = inquiry.answer(values, width);
+  if (src.fields != nullptr) set_fields(src, m, fetch_fields(src, inquiry));
 }
 
 /// Turns all tetrahedra if all are inverted; refuses flat ones and those that differ from the most.

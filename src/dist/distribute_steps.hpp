@@ -28,7 +28,7 @@ struct FileSource {
   const FieldSlice* fields;
   const DistributeOptions& options;
   Blocks vert_blocks;
-  std::vector<std::uint8_t> vert_flags;         ///< kSurface: on a triangle; kRidge: on an edge; kCorner; kRequired
+  std::vector<VertClass> vert_class;            ///< kSurface: on a triangle; kRidge: on an edge; kCorner; kRequired
   std::vector<std::uint8_t> edge_is_ridge;      ///< by local edge
   std::vector<std::uint8_t> triangle_required;  ///< by local triangle
 };

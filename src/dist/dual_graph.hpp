@@ -16,4 +16,8 @@ namespace skein {
 DistGraph dual_graph(const Comm& comm, const DistMesh& dist, std::span<const double> work,
                      std::span<const std::int32_t> face_weight = {}, int threads = 1);
 
+/// The same of one mesh by itself: what may be behind its faces without a neighbour does not count. Not collective.
+DistGraph dual_graph(const TetMesh& mesh, std::span<const double> work, std::span<const std::int32_t> face_weight = {},
+                     int threads = 1);
+
 }  // namespace skein

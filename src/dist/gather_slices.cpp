@@ -158,8 +158,11 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
   return s;
 }
 
-FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, int first_component,
-                           const std::vector<FieldKind>& kinds) {
+namespace {
+
+/// Collective. `append(values, v)` adds the numbers of vertex v; they are of these kinds.
+template <class Append>
+FieldSlice field_slice(const Comm& comm, const DistMesh& dist, const std::vector<FieldKind>& kinds, Append&& append) {
   FieldSlice s;
   s.kinds = kinds;
   for (const FieldKind k : kinds) s.width += components(k);
@@ -168,11 +171,26 @@ FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, int first_com
   for (const VertId v : IdRange<VertId>(owned.size())) {
     if (owned[v] == 0) continue;
     ++n;
-    const double* from = dist.data.at(v) + first_component;
-    s.values.insert(s.values.end(), from, from + s.width);
+    append(s.values, v);
   }
   place(comm, n, s.first, s.total);
   return s;
+}
+
+}  // namespace
+
+FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, const std::vector<FieldKind>& kinds) {
+  return field_slice(comm, dist, kinds, [&](std::vector<double>& values, VertId v) {
+    const VertFields& f = dist.mesh.fields;
+    values.insert(values.end(), f.at(v), f.at(v) + f.width);
+  });
+}
+
+FieldSlice to_metric_slices(const Comm& comm, const DistMesh& dist) {
+  return field_slice(comm, dist, {FieldKind::kTensor}, [&](std::vector<double>& values, VertId v) {
+    const SymTensor& l = dist.mesh.log_metric[v];
+    values.insert(values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
+  });
 }
 
 }  // namespace skein

@@ -20,9 +20,9 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist);
 std::vector<FaceId> faces_to_write(const Comm& comm, const DistMesh& dist);
 std::vector<FeatureEdge> edges_to_write(const Comm& comm, const DistMesh& dist);
 
-/// Collective. The data numbers first_component, first_component+1, ... (as many as `kinds` have) of the vertices, in
-/// the order of to_slices().
-FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, int first_component,
-                           const std::vector<FieldKind>& kinds);
+/// Collective. The fields of the vertices, which are of these kinds, in the order of to_slices().
+FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, const std::vector<FieldKind>& kinds);
+/// Collective. The log-metric of the vertices, in the order of to_slices().
+FieldSlice to_metric_slices(const Comm& comm, const DistMesh& dist);
 
 }  // namespace skein

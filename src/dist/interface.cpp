@@ -164,7 +164,7 @@ bool InterfaceRegion::mark_active(int layers, GlobalId before) {
   std::int64_t any = 0;
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     any |= label[idx(v)];
-    if (label[idx(v)] != 0) m.vert_flags[v] |= kRetry;
+    if (label[idx(v)] != 0) m.vert_state[v] |= kRetry;
   }
   any = comm_.max(any);
   if (any != 0) find_tets(before);
@@ -172,7 +172,8 @@ bool InterfaceRegion::mark_active(int layers, GlobalId before) {
     spread(tets_, label, [&](VertId v, std::int64_t best) { return best == kBad || m.has(v, kBesideFrozen); });
   }
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
-    m.vert_flags[v] = static_cast<std::uint8_t>((m.vert_flags[v] & ~kActive) | (label[idx(v)] != 0 ? kActive : 0));
+    m.vert_state[v] &= ~kActive;
+    if (label[idx(v)] != 0) m.vert_state[v] |= kActive;
   }
   return any != 0;
 }

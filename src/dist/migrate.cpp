@@ -2,6 +2,9 @@
 #include "dist/migrate.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
 
 #include "base/error.hpp"
 #include "base/subset.hpp"
@@ -28,11 +31,7 @@ struct MovedTet {
 };
 struct MovedVert {
   GlobalId gid;
-  Vec3 x;
-  std::int32_t ref;
-  std::uint8_t flags;
-  std::uint8_t shared;
-  std::uint16_t unused;
+  std::int64_t shared;
 };
 struct MovedFeature {
   std::int32_t a, b, ref, ridge;
@@ -40,9 +39,88 @@ struct MovedFeature {
 struct Load {
   Packets<MovedTet> tets;
   Packets<MovedVert> verts;
-  Packets<double> data;
+  Packets<std::byte> columns;  ///< the vertices' entries, as ColumnLayout says
   Packets<MovedFeature> features;
 };
+
+/// Which columns there are on any rank, and where a vertex's entries lie in what is sent for it.
+struct ColumnLayout {
+  std::array<std::int64_t, kVertColumnCount> width{};  ///< numbers per vertex; 0: not there
+  std::array<std::size_t, kVertColumnCount> at{};
+  std::size_t bytes = 0;  ///< per vertex
+};
+
+/// Collective. Throws Error(kInternal) on all ranks when a rank with vertices has not the columns that others have.
+ColumnLayout layout_of(const Comm& comm, const TetMesh& m) {
+  std::array<std::int64_t, kVertColumnCount> here{};
+  std::size_t i = 0;
+  for_each_vert_column(m, [&](const auto& c) { here[i++] = c.empty() ? 0 : static_cast<std::int64_t>(width_of(c)); });
+  ColumnLayout out;
+  out.width = here;
+  comm.reduce(std::span<std::int64_t>(out.width), Op::kMax);
+  agree(comm, [&] {
+    if (m.vert_slots() > 0 && here != out.width)
+      throw Error(ExitCode::kInternal, "migrate: the ranks keep different columns at their vertices");
+  });
+  i = 0;
+  for_each_vert_column(m, [&](const auto& c) {
+    out.at[i] = out.bytes;
+    out.bytes += static_cast<std::size_t>(out.width[i++]) * sizeof(EntryOf<decltype(c)>);
+  });
+  return out;
+}
+
+/// The entries of these vertices, one vertex after another.
+std::vector<std::byte> pack_columns(const TetMesh& m, const ColumnLayout& layout, const std::vector<VertId>& verts) {
+  std::vector<std::byte> out(verts.size() * layout.bytes);
+  std::size_t i = 0;
+  for_each_vert_column(m, [&](const auto& c) {
+    std::byte* to = out.data() + layout.at[i++];
+    if (c.empty()) return;
+    const std::size_t n = width_of(c) * sizeof(EntryOf<decltype(c)>);
+    for (const VertId v : verts) {
+      std::memcpy(to, c.raw().data() + idx(v) * width_of(c), n);
+      to += layout.bytes;
+    }
+  });
+  return out;
+}
+
+void set_width(VertFields& c, std::int64_t width) noexcept { c.width = static_cast<int>(width); }
+template <class T>
+void set_width(IdVector<VertId, T>&, std::int64_t) noexcept {}
+
+/// A copy of a vertex comes to one that is here: flags are joined, and of all else copies have the same.
+template <class T>
+void join_copy(T& here, const T& in) noexcept {
+  if constexpr (FlagSet<T>) {
+    here |= in;
+  } else {
+    here = in;
+  }
+}
+
+/// Puts entries that have been packed into the vertices `verts`; `fresh`: those of them that were not here.
+void unpack_columns(TetMesh& m, const ColumnLayout& layout, const std::vector<std::byte>& in,
+                    const std::vector<VertId>& verts, const std::vector<VertId>& fresh, std::size_t slots) {
+  std::size_t i = 0;
+  for_each_vert_column(m, [&](auto& c) {
+    const std::byte* from = in.data() + layout.at[i];
+    set_width(c, layout.width[i]);
+    if (layout.width[i++] == 0) return;
+    reserve_with_slack(c.raw(), slots * width_of(c));
+    resize_column(c, slots);
+    for (const VertId v : fresh) clear_entry(c, v);
+    EntryOf<decltype(c)> copy;
+    for (const VertId v : verts) {
+      for (std::size_t k = 0; k < width_of(c); ++k) {
+        std::memcpy(&copy, from + k * sizeof copy, sizeof copy);
+        join_copy(c.raw()[idx(v) * width_of(c) + k], copy);
+      }
+      from += layout.bytes;
+    }
+  });
+}
 
 template <class T>
 void close_block(Packets<T>& p, Rank r) {
@@ -106,8 +184,9 @@ std::vector<FeatureUse> features_by_rank(const TetMesh& m, const Leaving& leavin
 
 class Packer {
  public:
-  Packer(const DistMesh& dist, const Leaving& leaving, const std::vector<FeatureUse>& features)
-      : dist_(dist), leaving_(leaving), features_(features) {
+  Packer(const DistMesh& dist, const ColumnLayout& layout, const Leaving& leaving,
+         const std::vector<FeatureUse>& features)
+      : dist_(dist), layout_(layout), leaving_(leaving), features_(features) {
     if (leaving.none()) return;
     shared_.assign(dist.mesh.vert_slots(), 0);
     for (const VertId v : dist.sharing.vert) shared_[v] = 1;
@@ -118,18 +197,12 @@ class Packer {
     for (std::size_t r = 0; r + 1 < leaving_.offset.size(); ++r) {
       if (leaving_.offset[r + 1] > leaving_.offset[r]) pack_tets(to_id<Rank>(r));
     }
-    const auto width = static_cast<std::size_t>(dist_.data.width);
     load_.verts.items.reserve(used_.size());
-    load_.data.items.resize(used_.size() * width);
-    double* data = load_.data.items.data();
-    for (const VertId v : used_) {
-      load_.verts.items.push_back({dist_.vert2gid[v], dist_.mesh.coords[v], dist_.mesh.vert_ref[v],
-                                   dist_.mesh.vert_flags[v], static_cast<std::uint8_t>(shared_[v]), 0});
-      data = std::copy_n(dist_.data.at(v), width, data);
-    }
-    if (width > 0) load_.data.rank = load_.verts.rank;
-    for (std::size_t b = 1; width > 0 && b < load_.verts.offset.size(); ++b)
-      load_.data.offset.push_back(load_.verts.offset[b] * width);
+    for (const VertId v : used_) load_.verts.items.push_back({dist_.vert2gid[v], shared_[v]});
+    load_.columns.items = pack_columns(dist_.mesh, layout_, used_);
+    load_.columns.rank = load_.verts.rank;
+    for (std::size_t b = 1; b < load_.verts.offset.size(); ++b)
+      load_.columns.offset.push_back(load_.verts.offset[b] * layout_.bytes);
     return std::move(load_);
   }
 
@@ -174,6 +247,7 @@ class Packer {
   }
 
   const DistMesh& dist_;
+  const ColumnLayout& layout_;
   const Leaving& leaving_;
   const std::vector<FeatureUse>& features_;
   IdVector<VertId, char> shared_;
@@ -269,9 +343,10 @@ class Stayers {
 /// Puts what comes into the places of what has gone; the steps share the numbers of what comes.
 class Arrival {
  public:
-  Arrival(DistMesh& dist, const Load& load, const Leaving& leaving, Staying staying)
+  Arrival(DistMesh& dist, const ColumnLayout& layout, const Load& load, const Leaving& leaving, Staying staying)
       : dist_(dist),
         m_(dist.mesh),
+        layout_(layout),
         load_(load),
         staying_(std::move(staying)),
         free_tets_(ascending(leaving.tets, dist.mesh.tet_slots())) {}
@@ -280,16 +355,11 @@ class Arrival {
   std::vector<VertId> run() {
     unlink_gone();
     number_vertices();
-    for (std::size_t i = 0; i < vert_.size(); ++i) put_vertex(i);
     std::vector<FaceId> open;
     put_tets(open);
     link_equal_faces(m_, open, staying_.open);
     fill_free_tets(m_, free_tets_);
-    const MovedVerts now = fill_free_verts(m_, staying_.gone, [&](VertId from, VertId to) {
-      dist_.vert2gid[to] = dist_.vert2gid[from];
-      std::copy_n(dist_.data.at(from), width(), dist_.data.at(to));
-    });
-    resize_attributes();
+    const MovedVerts now = fill_free_verts(dist_, staying_.gone);
     std::vector<VertId> met = std::move(staying_.verts);
     met.insert(met.end(), fresh_.begin(), fresh_.end());
     for (VertId& v : met) v = now(v);
@@ -297,8 +367,6 @@ class Arrival {
   }
 
  private:
-  [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(dist_.data.width); }
-
   void unlink_gone() {
     for (const TetId t : free_tets_) {
       for (const FaceId f : m_.tet2face[t]) {
@@ -330,27 +398,11 @@ class Arrival {
       if (in.shared != 0) here.push_back(fresh_.back());
     }
     gone.erase(gone.begin(), gone.begin() + static_cast<std::ptrdiff_t>(taken));
-    resize_verts(m_, end);
-    resize_attributes();
-    for (const VertId v : fresh_) m_.vert_flags[v] = 0;
-  }
-
-  void resize_attributes() {
-    const std::size_t n = m_.vert_slots();
-    reserve_with_slack(dist_.vert2gid, n);
-    reserve_with_slack(dist_.data.values, n * width());
-    dist_.vert2gid.resize(n);
-    dist_.data.values.resize(n * width());
-  }
-
-  void put_vertex(std::size_t i) {
-    const MovedVert& in = load_.verts.items[i];
-    const VertId v = vert_[i];
-    m_.coords[v] = in.x;
-    m_.vert_ref[v] = in.ref;
-    m_.vert_flags[v] = static_cast<std::uint8_t>(m_.vert_flags[v] | in.flags);  // of all copies
-    dist_.vert2gid[v] = in.gid;
-    std::copy_n(load_.data.items.data() + i * width(), width(), dist_.data.at(v));
+    unpack_columns(m_, layout_, load_.columns.items, vert_, fresh_, end);
+    resize_vert2tet(m_, end);
+    reserve_with_slack(dist_.vert2gid, end);
+    dist_.vert2gid.resize(end);
+    for (std::size_t i = 0; i < vert_.size(); ++i) dist_.vert2gid[vert_[i]] = load_.verts.items[i].gid;
   }
 
   /// Faces that were on the interface are added to `open`.
@@ -387,6 +439,7 @@ class Arrival {
 
   DistMesh& dist_;
   TetMesh& m_;
+  const ColumnLayout& layout_;
   const Load& load_;
   Staying staying_;
   std::vector<TetId> free_tets_;  ///< ascending
@@ -406,17 +459,18 @@ void migrate(const Comm& comm, DistMesh& dist, const Moves& moves) {
   });
   const Leaving leaving = sort_out(comm, moves, dist.mesh.tet_slots());
   const auto features = features_by_rank(dist.mesh, leaving);
+  const ColumnLayout layout = layout_of(comm, dist.mesh);
   Load in;
   {
-    const Load out = Packer(dist, leaving, features).pack();
+    const Load out = Packer(dist, layout, leaving, features).pack();
     in.tets = exchange(comm, out.tets);
     in.verts = exchange(comm, out.verts);
-    in.data = exchange(comm, out.data);
+    in.columns = exchange(comm, out.columns);
     in.features = exchange(comm, out.features);
   }
   std::vector<VertId> met = dist.sharing.vert;
   if (!leaving.none() || !in.tets.items.empty())
-    met = Arrival(dist, in, leaving, Stayers(dist, leaving, features).find(features, moves.open)).run();
+    met = Arrival(dist, layout, in, leaving, Stayers(dist, leaving, features).find(features, moves.open)).run();
   rebuild_sharing(comm, dist, met);
   merge_vertex_flags(comm, dist);
   count_global(comm, dist);

@@ -16,13 +16,14 @@ struct Moves {
   std::optional<std::vector<TetId>> open = {};
 };
 
-/// Collective. Moves tetrahedra to other ranks with their tags and references, their vertices (coordinates, reference,
-/// flags, data, global id) and the feature edges that are their edges. Copies of a vertex that meet become one; all
-/// copies of a shared vertex get the flags that any of them has. Adjacency, sharing lists, kFrozen (set on shared
-/// vertices, nowhere else) and the global counts are right after it. What comes, by source rank in its order there,
-/// takes the places of what has gone and then new ones; places that are left over are filled from the end. The cost
-/// grows with what moves and with the interface, but for two looks at the tetrahedra of ranks where anything does.
-/// Throws Error(kInternal) on all ranks when a destination is not a rank, or a vertex has no global id.
+/// Collective. Moves tetrahedra to other ranks with their tags and references, their vertices (all columns,
+/// global id) and the feature edges that are their edges. Copies of a vertex that meet become one with
+/// the flags of both; merge_vertex_flags() then says which flags all copies of a shared vertex get. Adjacency, sharing
+/// lists, kFrozen (set on shared vertices, nowhere else) and the global counts are right after it. What comes, by
+/// source rank in its order there, takes the places of what has gone and then new ones; places that are left over are
+/// filled from the end. The cost grows with what moves and with the interface, but for two looks at the tetrahedra of
+/// ranks where anything does. Throws Error(kInternal) on all ranks when a destination is not a rank, a vertex has no
+/// global id, or a rank with vertices lacks a column that another has.
 /// @pre dist is compact, all vertices have global ids, sharing is right (reconcile() passes).
 void migrate(const Comm& comm, DistMesh& dist, const Moves& moves);
 /// The same with a rank for each tetrahedron.

@@ -34,12 +34,12 @@ IdVector<TetId, PartId> partition(const Comm& comm, const DistMesh& dist, std::s
                                   PartitionMethod method = PartitionMethod::kHilbert, int threads = 1);
 
 /// How many tetrahedra will be in the place of each one after an adaptation: 10 * integral of sqrt(det M)
-/// (vertex_face_rule), the log-metric being the first 6 data numbers. 1 when data.width < 6.
-std::vector<double> predicted_elements(const DistMesh& dist);
+/// (vertex_face_rule), by the column log_metric. 1 without it.
+std::vector<double> predicted_elements(const TetMesh& mesh);
 /// Expected cost of each tetrahedron in an adaptation. The unit is the cost of making one tetrahedron for an isotropic
 /// metric. One that is made for an anisotropic metric costs up to 1.6 times as much, one that goes three quarters, one
-/// that stays about a quarter. 1 when data.width < 6.
-std::vector<double> predicted_work(const DistMesh& dist);
+/// that stays about a quarter. 1 without a log_metric.
+std::vector<double> predicted_work(const TetMesh& mesh);
 
 struct PartitionStats {
   std::int64_t cut_faces = 0;   ///< faces between tetrahedra of different parts

@@ -37,17 +37,22 @@ std::uint64_t fingerprint(const DistMesh& dist, VertId v) noexcept {
   add(x.x);
   add(x.y);
   add(x.z);
-  for (int c = 0; c < dist.data.width; ++c) add(dist.data.at(v)[c]);
+  if (!dist.mesh.log_metric.empty()) {
+    const SymTensor& l = dist.mesh.log_metric[v];
+    for (const double d : {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz}) add(d);
+  }
+  for (int c = 0; c < dist.mesh.fields.width; ++c) add(dist.mesh.fields.at(v)[c]);
   return h;
 }
 
 void check_arrays(const DistMesh& dist, Fault& fault) {
   const TetMesh& m = dist.mesh;
   const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
-  if (m.vert_ref.size() != nv || m.vert_flags.size() != nv || m.vert2tet.size() != nv || dist.vert2gid.size() != nv ||
-      dist.data.values.size() != nv * static_cast<std::size_t>(dist.data.width) || m.tet2face.size() != nt ||
-      m.face_tag.size() != nt || m.tet_ref.size() != nt)
-    fault.tell("the arrays of the mesh differ in length");
+  bool fit = m.vert_ref.size() == nv && m.vert_class.size() == nv && m.vert_state.size() == nv &&
+             m.vert2tet.size() == nv && dist.vert2gid.size() == nv && m.tet2face.size() == nt &&
+             m.face_tag.size() == nt && m.tet_ref.size() == nt;
+  for_each_vert_column(m, [&](const auto& c) { fit = fit && (c.empty() || c.size() == nv); });
+  if (!fit) fault.tell("the arrays of the mesh differ in length");
 }
 
 /// What one thread finds out about its tetrahedra.
@@ -205,7 +210,7 @@ void check_shared(const Comm& comm, const DistMesh& dist, Fault& fault) {
     const VertId v = dist.sharing.vert[i];
     const SharedVertex item{dist.vert2gid[v], fingerprint(dist, v),
                             static_cast<std::int64_t>(dist.sharing.others(i).size()),
-                            dist.mesh.vert_flags[v] & (kCorner | kRequired)};
+                            static_cast<std::int64_t>(dist.mesh.vert_class[v] & (kCorner | kRequired))};
     if (item.gid != dist.sharing.gid[i])
       fault.tell("vertex {} (global id) has another id in the sharing list", num(item.gid));
     for (const Rank r : dist.sharing.others(i)) {

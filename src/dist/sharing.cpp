@@ -106,26 +106,33 @@ void rebuild_sharing(const Comm& comm, DistMesh& dist) {
 
 void rebuild_sharing(const Comm& comm, DistMesh& dist, const std::vector<VertId>& among) {
   dist.sharing = find_sharing(comm, among, dist.vert2gid);
-  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kFrozen);
-  for (const VertId v : dist.sharing.vert) dist.mesh.vert_flags[v] |= kFrozen;
+  for (VertState& s : dist.mesh.vert_state) s &= ~kFrozen;
+  for (const VertId v : dist.sharing.vert) dist.mesh.vert_state[v] |= kFrozen;
 }
 
+namespace {
+
+constexpr VertState kSharedStates = kFrozen | kActive;
+constexpr int kStateBits = 8 * sizeof(VertState);
+
+/// The flags that copies must have in common as one number, and back.
+std::int64_t shared_bits(const TetMesh& m, VertId v) noexcept {
+  return static_cast<std::int64_t>(m.vert_class[v]) << kStateBits |
+         static_cast<std::int64_t>(m.vert_state[v] & kSharedStates);
+}
+void add_bits(TetMesh& m, VertId v, std::int64_t bits) noexcept {
+  m.vert_class[v] |= static_cast<VertClass>(bits >> kStateBits);
+  m.vert_state[v] |= static_cast<VertState>(bits & ((1 << kStateBits) - 1));
+}
+
+}  // namespace
+
 void merge_vertex_flags(const Comm& comm, DistMesh& dist) {
-  // Each flag has its own 10 bits of a number, where it adds up over the copies.
-  constexpr int kFlags = 6, kLane = 10;
   const std::vector<VertId>& verts = dist.sharing.vert;
-  std::vector<std::int64_t> lanes(verts.size(), 0);
-  for (std::size_t i = 0; i < verts.size(); ++i) {
-    for (int b = 0; b < kFlags; ++b)
-      lanes[i] |= static_cast<std::int64_t>(dist.mesh.vert_flags[verts[i]] >> b & 1) << (b * kLane);
-  }
-  Halo(comm, dist.sharing).sum_shared(std::span<std::int64_t>(lanes));
-  for (std::size_t i = 0; i < verts.size(); ++i) {
-    std::uint8_t& flags = dist.mesh.vert_flags[verts[i]];
-    for (int b = 0; b < kFlags; ++b) {
-      if ((lanes[i] >> (b * kLane) & ((1 << kLane) - 1)) != 0) flags = static_cast<std::uint8_t>(flags | 1 << b);
-    }
-  }
+  std::vector<std::int64_t> bits(verts.size());
+  for (std::size_t i = 0; i < verts.size(); ++i) bits[i] = shared_bits(dist.mesh, verts[i]);
+  Halo(comm, dist.sharing).or_shared(std::span<std::int64_t>(bits));
+  for (std::size_t i = 0; i < verts.size(); ++i) add_bits(dist.mesh, verts[i], bits[i]);
 }
 
 IdVector<VertId, char> owned_verts(const Comm& comm, const DistMesh& dist) {
@@ -144,16 +151,7 @@ void count_global(const Comm& comm, DistMesh& dist) {
 
 void compact(DistMesh& dist) {
   const auto old2new = compact(dist.mesh);
-  const auto width = static_cast<std::size_t>(dist.data.width);
-  IdVector<VertId, GlobalId> gid(dist.mesh.vert_slots(), kNoGlobal);
-  std::vector<double> values(dist.mesh.vert_slots() * width);
-  for (const VertId v : IdRange<VertId>(old2new.size())) {
-    if (old2new[v] == kNoVert) continue;
-    gid[old2new[v]] = dist.vert2gid[v];
-    std::copy_n(dist.data.at(v), width, values.data() + idx(old2new[v]) * width);
-  }
-  dist.vert2gid = std::move(gid);
-  dist.data.values = std::move(values);
+  permute(dist.vert2gid, old2new, dist.mesh.vert_slots());
   for (auto& v : dist.sharing.vert) v = old2new[v];
 }
 

@@ -20,7 +20,8 @@ Sharing find_sharing(const Comm& comm, const std::vector<VertId>& among, const I
 void rebuild_sharing(const Comm& comm, DistMesh& dist);
 void rebuild_sharing(const Comm& comm, DistMesh& dist, const std::vector<VertId>& among);
 
-/// Collective. Every copy of a shared vertex gets the flags that any copy has.
+/// Collective. Every copy of a shared vertex gets the flags that any copy has: all of VertClass, and of VertState
+/// kFrozen and kActive. The other states tell what a rank has met in its own tetrahedra, and stay as they are.
 void merge_vertex_flags(const Comm& comm, DistMesh& dist);
 
 /// Collective. Sets global_tets and global_verts (shared vertices once).

@@ -112,6 +112,7 @@ DistMesh generate(const Comm& comm, const MeshSlice& surface, const GenerateOpti
   }
   DistributeOptions distribute_options;
   distribute_options.ridge_angle = options.ridge_angle;
+  distribute_options.metric_first = true;
   distribute_options.work_from_metric = true;
   log.start("distribute");
   DistMesh dist = distribute(comm, coarse.mesh, &metric, distribute_options);

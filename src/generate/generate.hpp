@@ -29,7 +29,7 @@ struct CoarseVolume {
 /// Throws on all ranks as check_surface() and fill_volume() do.
 CoarseVolume fill_surface(const Comm& comm, const MeshSlice& surface, const GenerateOptions& options, PhaseLog& log);
 
-/// Collective. The volume mesh with the wanted spacing. dist.data holds its log-metric (isotropic, width 6).
+/// Collective. The volume mesh with the wanted spacing. It has the column log_metric (isotropic).
 DistMesh generate(const Comm& comm, const MeshSlice& surface, const GenerateOptions& options, PhaseLog& log);
 
 }  // namespace skein

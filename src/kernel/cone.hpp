@@ -20,7 +20,7 @@ class Cone {
     Block& block = blocks_[size_ / kLanes];
     ++size_;
     const Vec3 xa = part.x(a), xb = part.x(b), xc = part.x(c);
-    const VertMetric &ma = part.metric.at[a], &mb = part.metric.at[b], &mc = part.metric.at[c];
+    const VertMetric &ma = part.mesh.metric[a], &mb = part.mesh.metric[b], &mc = part.mesh.metric[c];
     const VertMetric& ab = ma.order_key >= mb.order_key ? ma : mb;
     const VertMetric& m = ab.order_key >= mc.order_key ? ab : mc;
     const std::array<double, kRows> row{xa.x,   xa.y,   xa.z,   xb.x,   xb.y,   xb.z,   xc.x,       xc.y,       xc.z,

@@ -1,10 +1,10 @@
-// Work on single elements and edges that the passes have left far from what was wanted.
+// Improvement passes: work on single elements and edges that the main passes have left far from what was wanted.
 #pragma once
-#include "kernel/collapse.hpp"
+#include "kernel/operators/collapse.hpp"
+#include "kernel/operators/smooth.hpp"
+#include "kernel/operators/swap.hpp"
 #include "kernel/part.hpp"
 #include "kernel/shell.hpp"
-#include "kernel/smooth.hpp"
-#include "kernel/swap.hpp"
 
 namespace skein {
 
@@ -17,38 +17,35 @@ class Improver {
     make_all_new();
   }
 
-  /// Works on the elements below `target`, accepting only what makes the worst element better.
-  void worst(double target);
-  /// Works on the elements below `target`, accepting what makes the sum of inverse_sixth_power() less, and no element
-  /// worse that is below `floor`. It goes on where the worst element of a few that hold each other cannot get better at
-  /// once.
-  /// @pre judge_carefully(true).
-  void reduce_sum(double target, double floor);
-  /// Makes edges that are too long or too short fewer by every operator that lessens the strain round them, in so many
-  /// sweeps at most.
-  void relax(int turns);
-  /// From now on elements are judged carefully, or no longer.
-  void judge_carefully(bool careful);
+  /// Works on the elements below `target` with the objective RaiseWorst.
+  void raise_worst(double target);
+  /// Works on the elements below `target` with the objective LowerSum. @pre QualityMeasure::kLeast.
+  void lower_sum(double target, double floor);
+  /// Works on edges that are too long or too short with the objective LowerStrain, in so many sweeps at most.
+  void lower_strain(int turns);
+  /// From now on elements are measured like this; all of them count as new.
+  void set_measure(QualityMeasure measure);
   /// Clears the passes' bits of Part::dirty, which then tell what changes. Where no element is below `quality`, returns
-  /// false; else those that touch one, and all that will be made, are judged carefully until leave_few().
-  bool judge_few_carefully(double quality);
+  /// false; else those that touch one, and all that will be made, have QualityMeasure::kLeast until leave_few().
+  bool measure_few(double quality);
   void leave_few();
 
  private:
   /// Calls work(t) for the elements below target that are new, in sweeps until none returns true.
   template <class Work>
-  void sweep(Pass hunt, double target, Work&& work);
-  /// Nothing has been tried: all that is to be hunted is new to both hunts.
+  void sweep(Pass pass, double target, Work&& work);
+  /// Nothing has been tried: all that is to be improved is new to both passes.
   void make_all_new();
-  /// Makes state_ from what has changed or was there from the start and has not been tried by this hunt since.
-  void note_changes(Pass hunt);
+  /// Makes state_ from what has changed or was there from the start and has not been tried by this pass since.
+  void note_changes(Pass pass);
   /// Tells whether t is new: it, or something at a vertex of it, has changed since it was tried. It counts as tried.
-  [[nodiscard]] bool take(TetId t, Pass hunt) noexcept;
+  [[nodiscard]] bool take(TetId t, Pass pass) noexcept;
   bool smooth_in(TetId t);
   bool move_along_axes_in(TetId t);
   bool remove_vertex_in(TetId t);
-  bool reduce_sum_in(TetId t, double floor_q3);
-  bool relax_edge(TetId t, VertId a, VertId b);
+  bool lower_sum_in(TetId t, double floor_q3);
+  bool lower_strain_in(TetId t);
+  bool lower_strain_of(TetId t, VertId a, VertId b);
 
   Part* part_;
   Collapser* collapse_;

@@ -101,7 +101,7 @@ class EdgeFaces {
 
 class InterfaceRefiner {
  public:
-  InterfaceRefiner(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep, double longest)
+  InterfaceRefiner(Part& part, IdVector<VertId, GlobalId>& gid, KeptVerts keep, double longest)
       : part_(part), gid_(gid), cavity_(part), keep_(keep), longest_(longest) {}
 
   bool run() {
@@ -131,6 +131,8 @@ class InterfaceRefiner {
   void enqueue(VertId a, VertId b);
   void add_face(TetId t, int side);
   void remove_face(TetId t, int side);
+  /// As far as this part knows: the geometry must give the same place whatever fans of the edge a part has.
+  EdgeKind kind_of(VertId a, VertId b);
   bool split(VertId a, VertId b);
   bool split_fan(TetId t, VertId a, VertId b, VertId p);
   [[nodiscard]] bool is_interface(TetId t, int side) const noexcept {
@@ -140,7 +142,7 @@ class InterfaceRefiner {
   Part& part_;
   IdVector<VertId, GlobalId>& gid_;
   Cavity cavity_;
-  std::uint8_t keep_;
+  KeptVerts keep_;
   double longest_;
   IdVector<VertId, int> generation_;  ///< as far as there are new vertices
   Shell shell_;
@@ -150,7 +152,7 @@ class InterfaceRefiner {
 };
 
 void InterfaceRefiner::enqueue(VertId a, VertId b) {
-  const bool keep_a = part_.mesh.has(a, keep_), keep_b = part_.mesh.has(b, keep_);
+  const bool keep_a = keep_.has(part_.mesh, a), keep_b = keep_.has(part_.mesh, b);
   if (keep_a && keep_b) return;
   if ((keep_a && generation(b) >= kDeepest) || (keep_b && generation(a) >= kDeepest)) return;
   if (gid_[b] < gid_[a]) std::swap(a, b);
@@ -206,7 +208,7 @@ bool InterfaceRefiner::split_fan(TetId t, VertId a, VertId b, VertId p) {
     if (shell_.tag[k] == 0) continue;
     cavity_.wall(a, p, shell_.ring[k], shell_.tag[k]);
     cavity_.wall(p, b, shell_.ring[k], shell_.tag[k]);
-    m.vert_flags[p] |= kSurface;
+    m.vert_class[p] |= kSurface;
   }
   cavity_.commit();
   for (const TetId n : cavity_.new_tets()) {
@@ -217,13 +219,27 @@ bool InterfaceRefiner::split_fan(TetId t, VertId a, VertId b, VertId p) {
   return true;
 }
 
+EdgeKind InterfaceRefiner::kind_of(VertId a, VertId b) {
+  const TetMesh& m = part_.mesh;
+  bool surface = false;
+  if (m.has(a, kSurface) && m.has(b, kSurface)) {
+    for (const Third& d : ends_) {
+      if (!surface && gather_shell(m, d.tet, a, b, shell_)) surface = shell_.tagged_faces() != 0;
+    }
+  }
+  if (m.feature(a, b) != nullptr) return surface ? EdgeKind::kRidge : EdgeKind::kLine;
+  return surface ? EdgeKind::kSurface : EdgeKind::kInside;
+}
+
 bool InterfaceRefiner::split(VertId a, VertId b) {
   TetMesh& m = part_.mesh;
   ends_.clear();
   faces_.for_each(a, b, [&](const Third& d) { ends_.push_back(d); });
   if (ends_.empty()) return true;
-  const VertId p = new_vertex(part_, shared_middle(m.coords[a], m.coords[b]),
-                              shared_middle(part_.metric.log_at[a], part_.metric.log_at[b]), kFrozen);
+  const EdgeKind kind = kind_of(a, b);
+  const Vec3 x =
+      kind == EdgeKind::kInside ? shared_middle(m.coords[a], m.coords[b]) : part_.geometry->middle(m, a, b, kind);
+  const VertId p = new_vertex(part_, x, shared_middle(part_.mesh.log_metric[a], part_.mesh.log_metric[b]), {}, kFrozen);
   gid_.resize(m.vert_slots(), kNoGlobal);
   gid_[p] = hashed_id(gid_[a], gid_[b]);
   generation_.resize(m.vert_slots(), 0);
@@ -234,14 +250,9 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
     left = kNoTet;
     faces_.for_each(a, b, [&](const Third& d) { left = d.tet; });
   }
-  if (m.has(a, kRidge) && m.has(b, kRidge)) {
-    if (const FeatureEdge* f = m.features.find(a, b)) {
-      const FeatureEdge e = *f;
-      m.features.erase(a, b);
-      m.features.insert(a, p, e.ref, e.ridge);
-      m.features.insert(p, b, e.ref, e.ridge);
-      m.vert_flags[p] |= kRidge;
-    }
+  if (m.feature(a, b) != nullptr) {
+    m.features.split(a, b, p);
+    m.vert_class[p] |= kRidge;
   }
   ++part_.counts.insert;
   enqueue(a, p);
@@ -255,8 +266,8 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
 
 }  // namespace
 
-bool refine_interface(Part& part, IdVector<VertId, GlobalId>& gid, std::uint8_t keep, double times) {
-  return InterfaceRefiner(part, gid, keep, times * part.options.split_above).run();
+bool refine_interface(Part& part, IdVector<VertId, GlobalId>& gid, KeptVerts keep, double times) {
+  return InterfaceRefiner(part, gid, keep, times * part.options.method.lengths.split_above).run();
 }
 
 }  // namespace skein

@@ -21,6 +21,7 @@ void prepare(Part& p) {
   p.vert_mark.assign(p.mesh.vert_slots(), 0);
   p.edge_class.assign(p.mesh.vert_slots(), 0);
   p.tet_stamp = p.vert_stamp = 0;
+  p.closest_new = p.options.method.lengths.closest_new;
   p.free_tets.clear();
   p.free_verts.clear();
   p.dirty.assign(nt, kFromTheStart);
@@ -30,15 +31,15 @@ void prepare(Part& p) {
       if (!p.active(t)) p.dirty[t] = 0;  // no pass looks at it
       p.q3[t] = static_cast<float>(quality_cubed(p, t));
       p.edges[t] = p.classify_edges(t);
-      if (p.options.only_retry && !p.has_any(t, kRetry)) p.dirty[t] = 0;
+      if (p.options.only_retry() && !p.has_any(t, kRetry)) p.dirty[t] = 0;
     } else {
       p.free_tets.push_back(t);
     }
   }
 }
 
-std::int64_t expected_points(const TetMesh& m, const MetricField& metric) {
-  const double complexity = complexity_of(m, [&](VertId v) { return metric.at[v].sqrt_det; });
+std::int64_t expected_points(const TetMesh& m) {
+  const double complexity = complexity_of(m, [&](VertId v) { return m.metric[v].sqrt_det; });
   return static_cast<std::int64_t>(kVertsPerComplexity * complexity) + 1000;
 }
 
@@ -49,7 +50,6 @@ void reserve(Part& p, std::size_t points) {
   const std::size_t nv = std::min(points + points / 2, kMost), nt = kTetsPerVert * nv;
   if (nv <= p.mesh.vert_slots()) return;
   p.mesh.reserve(nv, nt);
-  p.metric.reserve(nv);
   p.vert_mark.reserve(nv);
   p.edge_class.reserve(nv);
   p.q3.reserve(nt);
@@ -63,9 +63,6 @@ IdVector<VertId, VertId> compact(Part& p) {
   IdVector<TetId, TetId> tets;
   auto verts = compact(p.mesh, &tets);
   const std::size_t nv = p.mesh.vert_slots(), nt = p.mesh.tet_slots();
-  permute(p.metric.at, verts, nv);
-  permute(p.metric.log_at, verts, nv);
-  if (!p.anchors.empty()) permute(p.anchors, verts, nv);
   permute(p.q3, tets, nt);
   permute(p.dirty, tets, nt);
   permute(p.edges, tets, nt);
@@ -92,34 +89,40 @@ SymTensor with_spacing(const Part& p, Vec3 x, const SymTensor& log_m) noexcept {
 }
 }  // namespace
 
-VertId new_vertex(Part& p, Vec3 x, const SymTensor& log_m, std::uint8_t flags) {
-  const SymTensor l = with_spacing(p, x, log_m);
+namespace {
+/// A free slot, or a new one at the end, with nothing in it.
+VertId free_slot(Part& p) {
   TetMesh& m = p.mesh;
-  const auto f = static_cast<std::uint8_t>(flags | kActive);
   if (!p.free_verts.empty()) {
     const VertId v = p.free_verts.back();
     p.free_verts.pop_back();
-    m.coords[v] = x;
-    m.vert_ref[v] = 0;
-    m.vert_flags[v] = f;
+    clear_entries(m, v);
     m.vert2tet[v] = kNoTet;
-    p.metric.set_log(v, l);
-    if (!p.anchors.empty()) p.anchors[v] = {x, l};
     return v;
   }
-  m.coords.push_back(x);
-  m.vert_ref.push_back(0);
-  m.vert_flags.push_back(f);
+  append_entries(m);
   m.vert2tet.push_back(kNoTet);
-  p.metric.push_back_log(l);
-  if (!p.anchors.empty()) p.anchors.push_back({x, l});
   p.edge_class.push_back(0);
   return p.vert_mark.push_back(0);
+}
+}  // namespace
+
+VertId new_vertex(Part& p, Vec3 x, const SymTensor& log_m, VertClass vert_class, VertState state) {
+  const SymTensor l = with_spacing(p, x, log_m);
+  TetMesh& m = p.mesh;
+  const VertId v = free_slot(p);
+  m.coords[v] = x;
+  m.vert_class[v] = vert_class;
+  m.vert_state[v] = state | kActive;
+  set_log_metric(m, v, l);
+  if (!m.anchor.empty()) m.anchor[v] = {x, l};
+  return v;
 }
 
 void drop_vertex(Part& p, VertId v) {
   p.mesh.vert2tet[v] = kNoTet;
-  p.mesh.vert_flags[v] = 0;
+  p.mesh.vert_class[v] = {};
+  p.mesh.vert_state[v] = {};
   p.free_verts.push_back(v);
 }
 

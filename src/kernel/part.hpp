@@ -11,34 +11,45 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/geometry.hpp"
+#include "kernel/method.hpp"
 #include "mesh/tet_mesh.hpp"
-#include "metric/metric_field.hpp"
+#include "metric/mesh_metric.hpp"
 #include "metric/spacing.hpp"
 
 namespace skein {
 
-/// How the kernel's passes are driven; lengths are metric, qualities are Q (not cubed).
+/// Whether facets (tagged faces) may change.
+enum class SurfaceChange : std::uint8_t { kAllowed, kNone };
+/// Where the passes begin.
+enum class Scope : std::uint8_t {
+  kActive,  ///< at all kActive vertices
+  kRetry    ///< at kRetry vertices only, and on to what changes, where active
+};
+/// How the quality of a tetrahedron is measured when its vertices have different metrics.
+enum class QualityMeasure : std::uint8_t {
+  kLargestMetric,  ///< in the metric of largest determinant (quality_cubed)
+  kLeast           ///< the least over the metrics of nearly that determinant (least_quality_cubed)
+};
+
+/// How the passes are driven on one part.
 struct KernelOptions {
-  bool centroid_points = false;  ///< create points at centroids with exclusion zones instead of along edges
-  bool springs = false;          ///< move vertices by springs between them instead of by quality
-  bool surface = true;           ///< tagged faces may change
-  int least_turns = 2;           ///< of the main passes, even if little changes any more
-  bool relax = false;            ///< strained edges are worked on one by one after the main passes
-  bool only_retry = false;       ///< begin at kRetry vertices only, and go on to what changes, where active
+  Method method;
+  SurfaceChange surface = SurfaceChange::kAllowed;
+  Scope scope = Scope::kActive;
+  int least_turns = 0;        ///< of the main passes, even if little changes any more; 0: as the method has it
+  bool lower_strain = false;  ///< strained edges are worked on one by one after the main passes
   /// The metric turns within the elements of the mesh that this part is of. Not set: as the part itself looks, which
   /// for a band round bad elements would say nothing.
   std::optional<bool> turning = {};
-  double split_above = 1.4142135623;  ///< edges longer than this get points
-  double collapse_below = 0.7071067;  ///< edges shorter than this lose an end
-  double length_min_new = 0.6;        ///< no new point closer than this to another
-  double surface_angle = 15;          ///< degrees a surface operation may turn a normal of a curved patch
-  double surface_deviation = 0.01;    ///< relative to the edge: how far a swap may leave the old facets
-  double collapse_deviation = 0.002;  ///< the same for a collapse; smaller, since these add up from pass to pass
+
+  [[nodiscard]] bool may_change_surface() const noexcept { return surface == SurfaceChange::kAllowed; }
+  [[nodiscard]] bool only_retry() const noexcept { return scope == Scope::kRetry; }
 };
 
 /// The kinds of passes, as bits of Part::dirty. A pass looks only at what has changed since it looked last, so that a
 /// converged mesh costs nothing but a scan of one byte per tetrahedron. Two bits stay: what was to be looked at from
-/// the beginning or has changed since is hunted, and what has changed may be held for another round.
+/// the beginning or has changed since is improved, and beside what has changed vertices may become retry vertices.
 enum Pass : std::uint8_t {
   kCollapsePass = 1,
   kInsertPass = 2,
@@ -79,17 +90,10 @@ struct EdgeBits {
 inline constexpr std::array<std::array<std::uint8_t, 4>, 4> kEdgeOf{
     {{6, 0, 1, 2}, {0, 6, 3, 4}, {1, 3, 6, 5}, {2, 4, 5, 6}}};
 
-/// Where a vertex was when its metric came from outside, or where it was made, and the metric there. What is
-/// interpolated from there when it moves has the error of one interpolation, not of as many as it has moved.
-struct Anchor {
-  Vec3 x;
-  SymTensor log_m;
-};
-
 /// What a part has done.
 struct OperationCounts {
   std::int64_t insert = 0, collapse = 0, swap = 0, smooth = 0;
-  /// Elements below the quality that is hunted which no operator makes better, by what holds them: a vertex that must
+  /// Elements below Method::Improve::worst_below which no operator makes better, by what holds them: a vertex that must
   /// stay for now (interface), one on the boundary or a feature, or nothing but their surroundings.
   std::int64_t poor_at_interface = 0, poor_at_boundary = 0, poor_inside = 0;
   OperationCounts& operator+=(const OperationCounts& o) noexcept {
@@ -107,14 +111,14 @@ struct OperationCounts {
 /// A part of the mesh and all that a worker needs to change it. Vertices carry kActive where work is wanted, and
 /// kFrozen on the interface to other parts.
 struct Part {
-  TetMesh mesh;
-  MetricField metric;
+  TetMesh mesh;                           ///< with log_metric and metric
   const SpacingField* spacing = nullptr;  ///< not owned; intersected into the metric of every new vertex
   KernelOptions options;
   OperationCounts counts;
-  bool careful = false;              ///< elements are judged by least_quality_cubed
-  bool turning = false;              ///< of the result: what options.turning is for bands of it
-  IdVector<VertId, Anchor> anchors;  ///< of all vertices, or empty
+  QualityMeasure quality_measure = QualityMeasure::kLargestMetric;
+  double closest_new = Method{}.lengths.closest_new;  ///< of the pass at hand: no new point closer than this to another
+  const Geometry* geometry = &default_geometry();     ///< not owned
+  bool turning = false;                               ///< of the result: what options.turning shall be for bands of it
 
   // Kept by Cavity and the operators.
   IdVector<TetId, float> q3;                ///< quality_cubed of every tetrahedron
@@ -133,28 +137,29 @@ struct Part {
   }
   [[nodiscard]] Vec3 x(VertId v) const noexcept { return mesh.coords[v]; }
   [[nodiscard]] double length(VertId a, VertId b) const noexcept {
-    return edge_length(metric.at[a].m, metric.at[b].m, x(b) - x(a));
+    return edge_length(mesh.metric[a].m, mesh.metric[b].m, x(b) - x(a));
   }
   [[nodiscard]] double strain(VertId a, VertId b) const noexcept { return skein::strain(length(a, b)); }
   /// length(a, b) < l, mostly without a root.
   [[nodiscard]] bool is_shorter(VertId a, VertId b, double l) const noexcept {
     const Vec3 d = x(b) - x(a);
-    const double qa = quad(metric.at[a].m, d), qb = quad(metric.at[b].m, d);
+    const double qa = quad(mesh.metric[a].m, d), qb = quad(mesh.metric[b].m, d);
     return qa * qb < l * l * l * l && log_mean(std::sqrt(qa), std::sqrt(qb)) < l;
   }
   /// length(a, b) > l, mostly without a root.
   [[nodiscard]] bool is_longer(VertId a, VertId b, double l) const noexcept {
     const Vec3 d = x(b) - x(a);
-    const double qa = quad(metric.at[a].m, d), qb = quad(metric.at[b].m, d);
+    const double qa = quad(mesh.metric[a].m, d), qb = quad(mesh.metric[b].m, d);
     return qa + qb > 2 * l * l && log_mean(std::sqrt(qa), std::sqrt(qb)) > l;
   }
   /// EdgeClass bits of the edge from a to b, by bounds on its length that need no root: with la, lb its
   /// lengths in the metrics of its ends, the logarithmic mean lies between sqrt(la lb) and sqrt((la^2 + lb^2)/2).
   [[nodiscard]] std::uint8_t classify(VertId a, VertId b) const noexcept {
     const Vec3 d = x(b) - x(a);
-    const double qa = quad(metric.at[a].m, d), qb = quad(metric.at[b].m, d);
-    const double low2 = options.collapse_below * options.collapse_below;
-    const bool is_long = qa + qb > 2 * options.split_above * options.split_above, is_short = qa * qb < low2 * low2;
+    const double qa = quad(mesh.metric[a].m, d), qb = quad(mesh.metric[b].m, d);
+    const double low2 = options.method.lengths.collapse_below * options.method.lengths.collapse_below;
+    const bool is_long = qa + qb > 2 * options.method.lengths.split_above * options.method.lengths.split_above,
+               is_short = qa * qb < low2 * low2;
     return static_cast<std::uint8_t>((is_long ? kMayBeLong : 0) | (is_short ? kMayBeShort : 0));
   }
   [[nodiscard]] EdgeBits classify_edges(TetId t) const noexcept {
@@ -165,26 +170,31 @@ struct Part {
     }
     return bits;
   }
-  /// Q^3 of (a, b, c, d), carefully if that is wanted.
+  /// Q^3 of (a, b, c, d), as `quality_measure` wants it.
   [[nodiscard]] double quality_cubed(VertId a, VertId b, VertId c, VertId d) const noexcept {
     const auto& y = mesh.coords;
-    const auto& m = metric.at;
-    if (careful) return least_quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
+    const auto& m = mesh.metric;
+    if (quality_measure == QualityMeasure::kLeast)
+      return least_quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
     return skein::quality_cubed(y[a], y[b], y[c], y[d], m[a], m[b], m[c], m[d]);
   }
   /// A vertex of t has one of these flags.
-  [[nodiscard]] bool has_any(TetId t, std::uint8_t flags) const noexcept {
-    const auto& v = mesh.tet2vert[t];
-    return ((mesh.vert_flags[v[0]] | mesh.vert_flags[v[1]] | mesh.vert_flags[v[2]] | mesh.vert_flags[v[3]]) & flags) !=
-           0;
-  }
+  [[nodiscard]] bool has_any(TetId t, VertClass flags) const noexcept { return has_any(mesh.vert_class, t, flags); }
+  [[nodiscard]] bool has_any(TetId t, VertState flags) const noexcept { return has_any(mesh.vert_state, t, flags); }
   [[nodiscard]] bool active(TetId t) const noexcept { return has_any(t, kActive); }
+
+ private:
+  template <FlagSet Flags>
+  [[nodiscard]] bool has_any(const IdVector<VertId, Flags>& of, TetId t, Flags flags) const noexcept {
+    const auto& v = mesh.tet2vert[t];
+    return any((of[v[0]] | of[v[1]] | of[v[2]] | of[v[3]]) & flags);
+  }
 };
 
-/// Sizes the caches to the mesh and computes all qualities. @pre mesh has adjacency; metric has a value per vertex.
+/// Sizes the caches to the mesh and computes all qualities. @pre mesh has adjacency, log_metric and metric.
 void prepare(Part& part);
-/// Vertices that a unit mesh for the metric would have.
-std::int64_t expected_points(const TetMesh& mesh, const MetricField& metric);
+/// Vertices that a unit mesh for the metric would have. @pre mesh has metric
+std::int64_t expected_points(const TetMesh& mesh);
 /// Room for about `points` vertices in the end, so that the arrays need not be copied while they grow.
 void reserve(Part& part, std::size_t points);
 /// Renumbers the part along the Hilbert curve, without free slots, so that what is near in space is near in memory.
@@ -192,9 +202,9 @@ void reserve(Part& part, std::size_t points);
 IdVector<VertId, VertId> compact(Part& part);
 /// quality_cubed of a live tetrahedron, computed afresh.
 double quality_cubed(const Part& part, TetId t) noexcept;
-/// A vertex slot (recycled or new) with this position and log-metric, flagged kActive; not yet in any tetrahedron.
-/// The spacing field is intersected in.
-VertId new_vertex(Part& part, Vec3 x, const SymTensor& log_m, std::uint8_t flags);
+/// A vertex slot (recycled or new) with this position, log-metric and flags, and kActive; not yet in any tetrahedron.
+/// The spacing field is intersected in. There is nothing in its other columns.
+VertId new_vertex(Part& part, Vec3 x, const SymTensor& log_m, VertClass vert_class, VertState state = {});
 /// Gives a vertex slot back. @pre no live tetrahedron has it.
 void drop_vertex(Part& part, VertId v);
 
@@ -206,7 +216,7 @@ void measure(const Part& p, const std::array<VertId, 4>& v, unsigned mask, Visit
     const auto e = static_cast<std::size_t>(std::countr_zero(mask));
     const VertId a = v[kEdgeVerts[e][0]], b = v[kEdgeVerts[e][1]];
     const Vec3 d = p.x(b) - p.x(a);
-    visit(e, a, b, std::sqrt(quad(p.metric.at[a].m, d)), std::sqrt(quad(p.metric.at[b].m, d)));
+    visit(e, a, b, std::sqrt(quad(p.mesh.metric[a].m, d)), std::sqrt(quad(p.mesh.metric[b].m, d)));
   }
 }
 

@@ -73,17 +73,17 @@ void build_adjacency(TetMesh& m) {
 }
 
 void mark_boundary_vertices(TetMesh& m) {
-  for (auto& f : m.vert_flags) f = static_cast<std::uint8_t>(f & ~(kSurface | kRidge));
+  for (VertClass& c : m.vert_class) c &= ~(kSurface | kRidge);
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
     for (std::size_t f = 0; f < 4; ++f) {
       if (m.face_tag[t][f] == 0) continue;
-      for (const VertId v : m.verts(make_face(t, f))) m.vert_flags[v] |= kSurface;
+      for (const VertId v : m.verts(make_face(t, f))) m.vert_class[v] |= kSurface;
     }
   }
   for (const auto& e : m.features.list()) {
-    m.vert_flags[e.a] |= kRidge;
-    m.vert_flags[e.b] |= kRidge;
+    m.vert_class[e.a] |= kRidge;
+    m.vert_class[e.b] |= kRidge;
   }
 }
 
@@ -96,6 +96,13 @@ void gather(IdVector<Id, T>& v, const std::vector<Id>& from) {
   out.reserve(std::max(v.raw().capacity(), from.size()));  // what was to come still has its place
   for (const Id i : from) out.push_back(v[i]);
   v = std::move(out);
+}
+
+template <class Column>
+void gather_entries(Column& c, const std::vector<VertId>& from) {
+  Column out;
+  gather_column(out, c, from, c.raw().capacity() / std::max(width_of(c), std::size_t{1}));
+  c = std::move(out);
 }
 
 /// Of the live vertices.
@@ -156,9 +163,7 @@ IdVector<VertId, VertId> compact(TetMesh& m, IdVector<TetId, TetId>* tet_map) {
     tet_old2new[t] = to_id<TetId>(at);
   }
 
-  gather(m.coords, new2old);
-  gather(m.vert_ref, new2old);
-  gather(m.vert_flags, new2old);
+  for_each_vert_column(m, [&](auto& c) { gather_entries(c, new2old); });
   gather(m.vert2tet, new2old);
   for (auto& t : m.vert2tet) t = tet_old2new[t];
   gather(m.tet2vert, tet_new2old);
@@ -208,9 +213,7 @@ IdVector<VertId, VertId> squeeze(TetMesh& m) {
   squeeze(m.tet2face, tets, nt);
   squeeze(m.face_tag, tets, nt);
   squeeze(m.tet_ref, tets, nt);
-  squeeze(m.coords, verts, nv);
-  squeeze(m.vert_ref, verts, nv);
-  squeeze(m.vert_flags, verts, nv);
+  for_each_vert_column(m, [&](auto& c) { squeeze_column(c, verts, nv); });
   squeeze(m.vert2tet, verts, nv);
   m.features = renumbered(m.features, verts);
   return verts;

@@ -11,7 +11,7 @@ namespace skein {
 /// their numbers).
 /// @pre no free tetrahedra.
 void build_adjacency(TetMesh& mesh);
-/// Sets kSurface, kRidge on vertices from face_tag and features (other bits stay).
+/// Sets kSurface, kRidge on vertices from face_tag and features (other flags stay).
 void mark_boundary_vertices(TetMesh& mesh);
 /// Removes free slots and renumbers vertices and tetrahedra along the Hilbert curve. Returns old vertex -> new vertex
 /// (kNoVert for free ones), and old tetrahedron -> new tetrahedron where asked for.

@@ -72,6 +72,13 @@ void FeatureEdges::erase(VertId a, VertId b) noexcept {
   list_.pop_back();
 }
 
+void FeatureEdges::split(VertId a, VertId b, VertId p) {
+  const FeatureEdge e = *find(a, b);
+  erase(a, b);
+  insert(a, p, e.ref, e.ridge);
+  insert(p, b, e.ref, e.ridge);
+}
+
 void FeatureEdges::clear() noexcept {
   list_.clear();
   table_.clear();

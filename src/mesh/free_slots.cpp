@@ -85,12 +85,18 @@ void resize_tets(TetMesh& m, std::size_t n) {
   resize(m.tet_ref, n);
 }
 
-void resize_verts(TetMesh& m, std::size_t n) {
-  resize(m.coords, n);
-  resize(m.vert_ref, n);
-  resize(m.vert_flags, n);
+void resize_vert2tet(TetMesh& m, std::size_t n) {
   reserve_with_slack(m.vert2tet, n);
   m.vert2tet.resize(n, kNoTet);
+}
+
+void grow_verts(TetMesh& m, std::size_t n, int threads) {
+  std::apply(
+      [&](auto... c) {
+        const auto size = [&](const auto& column) { return column.empty() ? 0 : n * width_of(column); };
+        grow_in_parallel(threads, std::tie((m.*c).raw()..., m.vert2tet.raw()), {size(m.*c)..., n});
+      },
+      kVertColumns);
 }
 
 void fill_free_tets(TetMesh& m, const std::vector<TetId>& free) {

@@ -31,14 +31,29 @@ void reserve_with_slack(Vector& v, std::size_t n) {
   if (n > v.capacity()) v.reserve(n + n / kSlack);
 }
 
+inline TetMesh& mesh_of(TetMesh& m) noexcept { return m; }
+
 /// Makes neighbours of those among the faces that have the same vertices, also with one of the others; that two others
 /// have is not looked for. @pre no three have the same.
 void link_equal_faces(TetMesh& m, std::span<const FaceId> faces, std::span<const FaceId> others = {});
 
+void resize_vert2tet(TetMesh& m, std::size_t n);
 /// The arrays of the tetrahedra to n items.
 void resize_tets(TetMesh& m, std::size_t n);
-/// The same for the vertices' arrays; new ones are cleared.
-void resize_verts(TetMesh& m, std::size_t n);
+/// The same for the columns of the vertices that are there (of a mesh, or of what has one and more columns), and for
+/// vert2tet; there is nothing in new entries.
+template <class Mesh>
+void resize_verts(Mesh& m, std::size_t n) {
+  for_each_vert_column(m, [&](auto& c) {
+    if (c.empty()) return;
+    reserve_with_slack(c.raw(), n * width_of(c));
+    resize_column(c, n);
+  });
+  resize_vert2tet(mesh_of(m), n);
+}
+
+/// The same by several threads, for more vertices than there are (grow_in_parallel).
+void grow_verts(TetMesh& m, std::size_t n, int threads);
 
 /// Takes out the tetrahedra `free` (ascending), to which nothing leads any more. Neighbours and vert2tet follow those
 /// that move. @pre no other free slots.
@@ -63,21 +78,19 @@ using MovedVerts = Moved<VertId>;
 /// Part of fill_free_verts: tetrahedra and feature edges take the vertices' new numbers.
 void follow(TetMesh& m, const MovedVerts& now, int threads);
 
-/// Takes out the vertices `free` (ascending), at which there are no tetrahedra. Tetrahedra and feature edges follow
-/// those that move; what else belongs to the vertices moves in `also`, a function (from, to).
-template <class Also>
-MovedVerts fill_free_verts(TetMesh& m, const std::vector<VertId>& free, Also&& also, int threads = 1) {
+/// Takes out the vertices `free` (ascending), at which there are no tetrahedra. All columns (of a mesh, or of what has
+/// one and more columns), tetrahedra and feature edges follow those that move.
+template <class Mesh>
+MovedVerts fill_free_verts(Mesh& all, const std::vector<VertId>& free, int threads = 1) {
+  TetMesh& m = mesh_of(all);
   MovedVerts now(m.vert_slots() - free.size(), free.size());
   const std::size_t n = fill_free_slots(free, m.vert_slots(), [&](VertId from, VertId to) {
-    m.coords[to] = m.coords[from];
-    m.vert_ref[to] = m.vert_ref[from];
-    m.vert_flags[to] = m.vert_flags[from];
+    move_entries(all, from, to);
     m.vert2tet[to] = m.vert2tet[from];
-    also(from, to);
     now.set(from, to);
   });
   if (!free.empty()) follow(m, now, threads);
-  resize_verts(m, n);
+  resize_verts(all, n);
   return now;
 }
 

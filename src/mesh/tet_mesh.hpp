@@ -7,20 +7,9 @@
 #include "base/ids.hpp"
 #include "base/vec3.hpp"
 #include "mesh/feature_edges.hpp"
+#include "mesh/vert_columns.hpp"
 
 namespace skein {
-
-/// What a vertex is; a set of bits.
-enum VertFlag : std::uint8_t {
-  kSurface = 1,        ///< lies on a tagged face (domain boundary or internal interface)
-  kRidge = 2,          ///< lies on a feature edge
-  kCorner = 4,         ///< never moves, never goes (end or junction of feature edges, or given as corner)
-  kRequired = 8,       ///< given as required: never moves, never goes
-  kFrozen = 16,        ///< on the interface to another part: not to be touched in this round
-  kActive = 32,        ///< still to be looked at
-  kBesideFrozen = 64,  ///< of a tetrahedron that could be better and has a vertex that had to stay in the last round
-  kRetry = 128,        ///< what is round it is to be looked at first: a frozen vertex was in the way of the last round
-};
 
 /// Tag of one face of a tetrahedron: 0 is an inner face; otherwise the low 14 bits are the patch number (1-based
 /// index into TetMesh::patch_ref, minus one) and the bits below tell more.
@@ -39,12 +28,8 @@ inline constexpr std::array<std::array<std::size_t, 2>, 6> kEdgeVerts{{{0, 1}, {
 /// Tetrahedra with adjacency. A tetrahedron is oriented so that det(v1-v0, v2-v0, v3-v0) > 0.
 /// A free slot has tet2vert[t][0] == kNoVert; a free vertex has vert2tet == kNoTet.
 /// A face with tet2face == kNoFace is on the hull (tag has kHullFace) or on the interface to another part.
-struct TetMesh {
-  // per vertex
-  IdVector<VertId, Vec3> coords;              ///< length unit of the input
-  IdVector<VertId, std::int32_t> vert_ref;    ///< reference of the file
-  IdVector<VertId, std::uint8_t> vert_flags;  ///< VertFlag bits
-  IdVector<VertId, TetId> vert2tet;           ///< one tetrahedron at the vertex
+struct TetMesh : VertColumns {
+  IdVector<VertId, TetId> vert2tet;  ///< one tetrahedron at the vertex
   // per tetrahedron
   IdVector<TetId, std::array<VertId, 4>> tet2vert;
   IdVector<TetId, std::array<FaceId, 4>> tet2face;  ///< the face of the neighbour that is this face
@@ -57,14 +42,22 @@ struct TetMesh {
   [[nodiscard]] std::size_t vert_slots() const noexcept { return coords.size(); }
   [[nodiscard]] std::size_t tet_slots() const noexcept { return tet2vert.size(); }
   void reserve(std::size_t verts, std::size_t tets) {
-    coords.reserve(verts);
-    vert_ref.reserve(verts);
-    vert_flags.reserve(verts);
-    vert2tet.reserve(verts);
+    reserve_verts(verts);
     tet2vert.reserve(tets);
     tet2face.reserve(tets);
     face_tag.reserve(tets);
     tet_ref.reserve(tets);
+  }
+  /// Room in the columns that are there, and in those that always are.
+  void reserve_verts(std::size_t verts) {
+    coords.reserve(verts);
+    vert_ref.reserve(verts);
+    vert_class.reserve(verts);
+    vert_state.reserve(verts);
+    vert2tet.reserve(verts);
+    for_each_vert_column(*this, [&](auto& c) {
+      if (!c.empty()) c.raw().reserve(verts * width_of(c));
+    });
   }
   /// The face behind face f, of the neighbour; kNoFace: none here.
   [[nodiscard]] FaceId neighbour(FaceId f) const noexcept { return tet2face[face_tet(f)][face_side(f)]; }
@@ -83,6 +76,10 @@ struct TetMesh {
   [[nodiscard]] std::array<VertId, 2> edge_verts(TetId t, std::size_t e) const noexcept {
     return {tet2vert[t][kEdgeVerts[e][0]], tet2vert[t][kEdgeVerts[e][1]]};
   }
+  /// The feature edge between two vertices; null if there is none.
+  [[nodiscard]] const FeatureEdge* feature(VertId a, VertId b) const noexcept {
+    return has(a, kRidge) && has(b, kRidge) ? features.find(a, b) : nullptr;
+  }
   /// Makes two faces neighbours.
   void link(FaceId f, FaceId g) noexcept {
     neighbour(f) = g;
@@ -90,7 +87,9 @@ struct TetMesh {
   }
   [[nodiscard]] bool is_live(TetId t) const noexcept { return tet2vert[t][0] != kNoVert; }
   [[nodiscard]] bool is_live(VertId v) const noexcept { return vert2tet[v] != kNoTet; }
-  [[nodiscard]] bool has(VertId v, std::uint8_t flags) const noexcept { return (vert_flags[v] & flags) != 0; }
+  /// The vertex has one of these flags.
+  [[nodiscard]] bool has(VertId v, VertClass flags) const noexcept { return any(vert_class[v] & flags); }
+  [[nodiscard]] bool has(VertId v, VertState flags) const noexcept { return any(vert_state[v] & flags); }
 };
 
 /// Six times the volume of a tetrahedron (rounded).

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstddef>
 
+#include "base/tensor.hpp"
 #include "metric/measure.hpp"
-#include "metric/tensor.hpp"
 
 namespace skein {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "base/tensor.hpp"
 #include "mesh/tet_mesh.hpp"
-#include "metric/tensor.hpp"
 
 namespace skein {
 

@@ -5,16 +5,10 @@
 #include <cmath>
 
 #include "base/ids.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 namespace skein {
 
-/// The metric at a vertex with the square root of its determinant beside it.
-struct alignas(64) VertMetric {
-  SymTensor m;           ///< 1/length^2
-  double sqrt_det = 1;   ///< 1/length^3
-  double order_key = 1;  ///< who has the largest determinant is told by this; see order_key_of
-};
 /// sqrt_det, changed by so little that it is of no account, but so that different metrics of the same determinant are
 /// in an order: which of them an element takes must not hang on the order of its vertices.
 inline double order_key_of(const SymTensor& m, double sqrt_det) noexcept {

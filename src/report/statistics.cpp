@@ -27,7 +27,7 @@ IdVector<VertId, VertMetric> metrics(const DistMesh& dist, int threads) {
   in_parallel(threads, [&](int w) {
     vert_metrics_from_logs(
         share_begin(n, w, threads), share_begin(n, w + 1, threads),
-        [&](std::size_t i) { return log_metric_at(dist, to_id<VertId>(i)); },
+        [&](std::size_t i) -> const SymTensor& { return dist.mesh.log_metric[to_id<VertId>(i)]; },
         [&](std::size_t i, const VertMetric& v) { m[to_id<VertId>(i)] = v; });
   });
   return m;

@@ -42,7 +42,7 @@ struct MeshStatistics {
   QualityStatistics quality;
 };
 
-/// Collective. The same on every rank. With a metric: its logarithm is the first 6 numbers (Medit order) of dist.data.
+/// Collective. The same on every rank. With a metric: its logarithm is the column log_metric.
 /// Counts, extremes and percentiles do not depend on the number of ranks; sums do by rounding.
 MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metric, int threads = 1);
 

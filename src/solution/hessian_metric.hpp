@@ -5,7 +5,7 @@
 
 #include "comm/comm.hpp"
 #include "dist/dist_mesh.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 namespace skein {
 

@@ -122,17 +122,6 @@ GradationReport meet_complexity(const Comm& comm, const DistMesh& dist, const Me
   return report;
 }
 
-std::vector<SymTensor> log_metric_of(const DistMesh& dist) {
-  std::vector<SymTensor> log_metric(dist.mesh.vert_slots());
-  for (const VertId v : IdRange<VertId>(log_metric.size())) log_metric[idx(v)] = log_metric_at(dist, v);
-  return log_metric;
-}
-void set_log_metric(std::span<const SymTensor> log_metric, DistMesh& dist) {
-  dist.data.width = 6;
-  dist.data.values.resize(6 * log_metric.size());
-  for (const VertId v : IdRange<VertId>(log_metric.size())) put(log_metric[idx(v)], dist.data.at(v));
-}
-
 }  // namespace
 
 FieldSlice metric_values(FieldSlice given, MetricSource source) {
@@ -212,22 +201,15 @@ GradationReport metric_from_field(const Comm& comm, const DistMesh& dist, const 
 }
 
 GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricPolicy& policy) {
-  std::vector<SymTensor> log_metric;
-  GradationReport report;
+  auto& column = dist.mesh.log_metric;
   if (policy.source == MetricSource::kField) {
-    log_metric.resize(dist.mesh.vert_slots());
-    report = metric_from_field(comm, dist, policy, dist.data.values, log_metric);
-  } else {
-    log_metric = log_metric_of(dist);
-    if (policy.complexity > 0) {
-      report = scale_to_complexity(comm, dist, policy, log_metric);
-    } else {
-      clamp_sizes(policy, log_metric);
-      report = grade(comm, dist, policy, log_metric);
-    }
+    const VertFields scalar = std::exchange(dist.mesh.fields, {});
+    column.assign(dist.mesh.vert_slots(), {});
+    return metric_from_field(comm, dist, policy, scalar.values, column.raw());
   }
-  set_log_metric(log_metric, dist);
-  return report;
+  if (policy.complexity > 0) return scale_to_complexity(comm, dist, policy, column.raw());
+  clamp_sizes(policy, column.raw());
+  return grade(comm, dist, policy, column.raw());
 }
 
 }  // namespace skein

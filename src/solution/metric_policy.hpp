@@ -10,7 +10,7 @@
 #include "comm/comm.hpp"
 #include "dist/dist_mesh.hpp"
 #include "mesh/mesh_slice.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 #include "solution/gradation.hpp"
 
 namespace skein {
@@ -69,8 +69,8 @@ GradationReport scale_to_complexity(const Comm& comm, const DistMesh& dist, cons
 GradationReport metric_from_field(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
                                   std::span<const double> scalar, std::span<SymTensor> log_metric);
 
-/// Collective. The whole policy: dist.data, which holds what metric_values() gave, becomes the logarithm of the metric
-/// to adapt to. Given tensors and sizes are scaled to the complexity (if there is one), then clamped, then graded; for
+/// Collective. The whole policy: what metric_values() gave, in the column log_metric (kTensors, kSizes) or `fields`
+/// (kField), becomes the logarithm of the metric to adapt to in log_metric. Given tensors and sizes are scaled to the complexity (if there is one), then clamped, then graded; for
 /// a field see metric_from_field(). Tells what the gradation did.
 GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricPolicy& policy);
 

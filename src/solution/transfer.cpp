@@ -58,13 +58,13 @@ struct Question {
 struct Background::Asking {
   std::span<const Vec3> points;
   int threads;
-  VertexData out;
+  VertFields out;
   std::vector<std::uint32_t> missing;  ///< points that are in no tetrahedron so far, along the Hilbert curve
   std::vector<double> distance2;       ///< of each point to the place that its values are from
   std::int64_t remote = 0;
 };
 
-Background::Background(const Comm& comm, const DistMesh& dist, VertexData fields)
+Background::Background(const Comm& comm, const DistMesh& dist, VertFields fields)
     : comm_(&comm), locator_(dist.mesh), fields_(std::move(fields)) {
   agree(comm, [&] {
     const std::size_t numbers = dist.mesh.vert_slots() * static_cast<std::size_t>(fields_.width);
@@ -198,7 +198,7 @@ TransferReport Background::make_report(const Asking& a, std::int64_t away) const
   return r;
 }
 
-VertexData Background::at(std::span<const Vec3> points, int threads, TransferReport* report) const {
+VertFields Background::at(std::span<const Vec3> points, int threads, TransferReport* report) const {
   Asking a{points, threads, {fields_.width, {}}, {}, {}};
   agree(*comm_, [&] {
     a.out.values.resize(points.size() * static_cast<std::size_t>(fields_.width));
@@ -223,9 +223,25 @@ VertexData Background::at(std::span<const Vec3> points, int threads, TransferRep
   return std::move(a.out);
 }
 
-VertexData Background::at_vertices(const DistMesh& dist, int threads, TransferReport* report) const {
-  VertexData out = at(dist.mesh.coords.raw(), threads, report);
+VertFields Background::at_vertices(const DistMesh& dist, int threads, TransferReport* report) const {
+  VertFields out = at(dist.mesh.coords.raw(), threads, report);
   Halo(*comm_, dist.sharing).copy_from_owner(std::span(out.values), out.width);
+  return out;
+}
+
+VertFields fields_of(const IdVector<VertId, SymTensor>& tensors) {
+  VertFields out{6, {}};
+  out.values.reserve(6 * tensors.size());
+  for (const SymTensor& t : tensors) out.values.insert(out.values.end(), {t.xx, t.xy, t.yy, t.xz, t.yz, t.zz});
+  return out;
+}
+
+IdVector<VertId, SymTensor> tensors_of(const VertFields& fields) {
+  IdVector<VertId, SymTensor> out(fields.size());
+  for (const VertId v : IdRange<VertId>(out.size())) {
+    const double* t = fields.at(v);
+    out[v] = {t[0], t[1], t[2], t[3], t[4], t[5]};
+  }
   return out;
 }
 

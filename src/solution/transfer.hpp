@@ -24,16 +24,16 @@ class Background {
   /// Collective. Copies what it needs of `dist`; `fields` are its fields, equal on all copies of a vertex. `comm` must
   /// outlive it. Fast when tetrahedra are in Hilbert order, as distribute() makes it. Throws Error(kInternal) on all
   /// ranks when the fields do not fit the mesh, or there is no tetrahedron. @pre dist is compact and reconciled.
-  Background(const Comm& comm, const DistMesh& dist, VertexData fields);
+  Background(const Comm& comm, const DistMesh& dist, VertFields fields);
 
   /// Collective. The fields at these points (any number, also none): interpolated linearly in the tetrahedron that
   /// contains the point, on whichever rank it is. Outside of the mesh, the fields at the nearest point of the mesh.
   /// Exact to rounding for linear fields, exact for constant ones and at old vertices. All components alike, those of
   /// tensors, too.
-  [[nodiscard]] VertexData at(std::span<const Vec3> points, int threads = 1, TransferReport* report = nullptr) const;
+  [[nodiscard]] VertFields at(std::span<const Vec3> points, int threads = 1, TransferReport* report = nullptr) const;
 
   /// Collective. at() the vertices of `dist`, the same bits on all copies.
-  [[nodiscard]] VertexData at_vertices(const DistMesh& dist, int threads = 1, TransferReport* report = nullptr) const;
+  [[nodiscard]] VertFields at_vertices(const DistMesh& dist, int threads = 1, TransferReport* report = nullptr) const;
 
  private:
   struct Asking;
@@ -45,9 +45,13 @@ class Background {
 
   const Comm* comm_;
   TetLocator locator_;
-  VertexData fields_;
+  VertFields fields_;
   BoxTree boxes_;               ///< of all ranks
   std::vector<Rank> box2rank_;  ///< ascending
 };
+
+/// A column of tensors as fields (Medit order), and back.
+VertFields fields_of(const IdVector<VertId, SymTensor>& tensors);
+IdVector<VertId, SymTensor> tensors_of(const VertFields& fields);
 
 }  // namespace skein

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "adapt/local.hpp"
+#include "base/tensor.hpp"
 #include "dist/interface.hpp"
-#include "metric/tensor.hpp"
 #include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 DistMesh make(const Comm& comm, double h) {
   DistMesh dist = with_metric(comm, cube(10, Regions::kTwoTagged), [&](Vec3) { return isotropic(-2 * std::log(h)); });
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    if (dist.mesh.coords[v].x < 0.4) dist.mesh.vert_flags[v] |= kActive;
+    if (dist.mesh.coords[v].x < 0.4) dist.mesh.vert_state[v] |= kActive;
   }
   return dist;
 }
@@ -35,7 +35,7 @@ TEST(Band, ComesBackAsItWasCut) {
   for (const int threads : {1, 3}) {
     DistMesh dist = make(comm, 0.1);
     const Content before = content(comm, to_slices(comm, dist));
-    const Band band = cut_band(dist, 1, threads);
+    const Band band = cut_band(dist.mesh, 1, threads);
     EXPECT_EQ(check(band.mesh), "");
     EXPECT_LT(band.mesh.tet_slots(), dist.mesh.tet_slots() + (comm.size() > 1 ? 1 : 0));
     IdVector<VertId, VertId> old2new(band.mesh.vert_slots(), kNoVert);
@@ -51,12 +51,11 @@ TEST(Band, ComesBackAsItWasCut) {
 TEST(Band, BringsBackRetryVertices) {
   const Comm& comm = world();
   DistMesh dist = make(comm, 0.1);
-  for (auto& f : dist.mesh.vert_flags) f |= kRetry;
-  Band band = cut_band(dist, 1);
+  for (VertState& s : dist.mesh.vert_state) s |= kRetry;
+  Band band = cut_band(dist.mesh, 1);
   const auto marked = [](Vec3 x) { return x.y < 0.5; };  // as the kernel would, on frozen vertices, too
   for (const VertId v : IdRange<VertId>(band.mesh.vert_slots())) {
-    if (!marked(band.mesh.coords[v]))
-      band.mesh.vert_flags[v] = static_cast<std::uint8_t>(band.mesh.vert_flags[v] & ~kRetry);
+    if (!marked(band.mesh.coords[v])) band.mesh.vert_state[v] &= ~kRetry;
   }
   IdVector<VertId, VertId> old2new(band.mesh.vert_slots(), kNoVert);
   for (const VertId v : IdRange<VertId>(old2new.size())) old2new[v] = band.mesh.has(v, kFrozen) ? v : kNoVert;
@@ -78,8 +77,8 @@ TEST(Band, MayGrowAndShrink) {
     const std::int64_t tets = dist.global_tets;
     constexpr int kMargin = 2;  // of cells of 0.1: nothing beyond 0.4 + 0.3 belongs to the band
     const int threads = h < 0.1 ? 3 : 2;
-    Band band = cut_band(dist, kMargin, threads);
-    const LocalResult r = adapt_local(band.mesh, band.metric, {});
+    Band band = cut_band(dist.mesh, kMargin, threads);
+    const LocalResult r = adapt_local(band.mesh, {});
     put_back(dist, band, r.old2new, threads);
     number_new_vertices(comm, dist);
     EXPECT_NO_THROW(reconcile(comm, dist));
@@ -96,11 +95,11 @@ TEST(Band, MayGrowAndShrink) {
 TEST(Band, IsEmptyWhereNothingIsActive) {
   const Comm& comm = world();
   DistMesh dist = make(comm, 0.1);
-  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
+  for (VertState& s : dist.mesh.vert_state) s &= ~kActive;
   const Content before = content(comm, to_slices(comm, dist));
-  Band band = cut_band(dist, 2);
+  Band band = cut_band(dist.mesh, 2);
   EXPECT_EQ(band.mesh.tet_slots(), 0u);
-  const LocalResult r = adapt_local(band.mesh, band.metric, {});
+  const LocalResult r = adapt_local(band.mesh, {});
   put_back(dist, band, r.old2new);
   EXPECT_NO_THROW(reconcile(comm, dist));
   EXPECT_EQ(content(comm, to_slices(comm, dist)), before);

@@ -11,7 +11,7 @@
 
 #include "adapt/gaps.hpp"
 #include "dist/partition.hpp"
-#include "kernel/passes.hpp"
+#include "kernel/recipe.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "tests/kernel/metrics.hpp"
@@ -22,28 +22,28 @@ namespace {
 
 using Items = std::multiset<std::vector<double>>;
 
-void put(std::vector<double>& item, const TetMesh& m, const MetricField& f, VertId v) {
+void put(std::vector<double>& item, const TetMesh& m, VertId v) {
   const Vec3 x = m.coords[v];
-  const SymTensor& l = f.log_at[v];
-  item.insert(item.end(),
-              {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(m.vert_flags[v]), double(m.vert_ref[v])});
+  const SymTensor& l = m.log_metric[v];
+  item.insert(item.end(), {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(m.vert_class[v]),
+                           double(m.vert_state[v]), double(m.vert_ref[v])});
 }
 /// The whole mesh by coordinates: tetrahedra with all that is at them, feature edges.
-Items content(const TetMesh& m, const MetricField& f) {
+Items content(const TetMesh& m) {
   Items out;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
     std::vector<double> item{double(m.tet_ref[t])};
     for (std::size_t i = 0; i < 4; ++i) {
-      put(item, m, f, m.tet2vert[t][i]);
+      put(item, m, m.tet2vert[t][i]);
       item.push_back(m.face_tag[t][i]);
     }
     out.insert(item);
   }
   for (const auto& e : m.features.list()) {
     std::vector<double> a, b;
-    put(a, m, f, e.a);
-    put(b, m, f, e.b);
+    put(a, m, e.a);
+    put(b, m, e.b);
     if (b < a) std::swap(a, b);
     a.insert(a.end(), b.begin(), b.end());
     a.insert(a.end(), {double(e.ref), double(e.ridge)});
@@ -54,7 +54,6 @@ Items content(const TetMesh& m, const MetricField& f) {
 
 struct Whole {
   TetMesh mesh;
-  MetricField metric;
 };
 Whole whole(unsigned seed, bool regions = true) {
   std::mt19937 random(seed);
@@ -63,16 +62,16 @@ Whole whole(unsigned seed, bool regions = true) {
   compact(w.mesh);
   // As between ranks: some vertices are frozen already.
   for (const VertId v : IdRange<VertId>(w.mesh.vert_slots())) {
-    if (w.mesh.coords[v].y == 0) w.mesh.vert_flags[v] |= kFrozen;
+    if (w.mesh.coords[v].y == 0) w.mesh.vert_state[v] |= kFrozen;
   }
-  w.metric = metric_field(w.mesh.coords, random_smooth_metric(random, 0.1, 0.3, 1));
+  set_metric(w.mesh, random_smooth_metric(random, 0.1, 0.3, 1));
   return w;
 }
 
 std::vector<Block> cut(const Whole& w, const BlockLabels& label, int blocks) {
   const auto between = between_blocks(w.mesh, label);
   std::vector<Block> out;
-  for (int b = 0; b < blocks; ++b) out.push_back(cut_block(w.mesh, w.metric, label, between, b));
+  for (int b = 0; b < blocks; ++b) out.push_back(cut_block(w.mesh, label, between, b));
   return out;
 }
 
@@ -94,11 +93,9 @@ IdVector<VertId, VertId> make_gaps(Part& p, std::size_t n) {
   const std::size_t nv = std::min(n, m.vert_slots() / 2), nt = std::min(n, m.tet_slots() / 2);
   for (std::size_t i = 0; i < nv; ++i) {
     const auto v = to_id<VertId>(2 * i);
-    old2new[v] = m.coords.push_back(m.coords[v]);
-    m.vert_ref.push_back(m.vert_ref[v]);
-    m.vert_flags.push_back(m.vert_flags[v]);
-    m.vert2tet.push_back(m.vert2tet[v]);
-    p.metric.push_back_log(SymTensor{p.metric.log_at[v]});
+    append_entries(m);
+    old2new[v] = m.vert2tet.push_back(m.vert2tet[v]);
+    move_entries(m, v, old2new[v]);
     m.vert2tet[v] = kNoTet;
     p.free_verts.insert(p.free_verts.begin(), v);
   }
@@ -132,10 +129,10 @@ TEST(Gaps, AreClosedWithoutAChange) {
   for (const double h : {0.05, 0.12, 0.3, 0.6}) {
     Part p;
     p.mesh = make_mesh({.n = 6, .two_regions = true, .required = true, .perturb = 0.2});
-    for (std::size_t v = 0; v < p.mesh.vert_slots(); ++v) p.metric.push_back_log(log(isotropic(1 / (h * h))));
+    set_metric(p.mesh, UniformMetric{h});
     prepare(p);
     adapt_part(p);
-    const auto before = content(p.mesh, p.metric);
+    const auto before = content(p.mesh);
     const auto coords = p.mesh.coords;
     std::size_t free = 0, live_verts = 0;
     for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) free += p.mesh.is_live(t) ? 0 : 1;
@@ -143,11 +140,11 @@ TEST(Gaps, AreClosedWithoutAChange) {
     std::vector<char> live(coords.size());
     for (const VertId v : IdRange<VertId>(coords.size())) live_verts += live[idx(v)] = p.mesh.is_live(v) ? 1 : 0;
 
-    const auto old2new = close_gaps(p.mesh, p.metric);
+    const auto old2new = close_gaps(p.mesh);
     ASSERT_EQ(check(p.mesh), "");
-    EXPECT_EQ(content(p.mesh, p.metric), before);
+    EXPECT_EQ(content(p.mesh), before);
     EXPECT_EQ(p.mesh.vert_slots(), live_verts);
-    EXPECT_EQ(p.metric.size(), live_verts);
+    EXPECT_EQ(p.mesh.metric.size(), live_verts);
     for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) EXPECT_TRUE(p.mesh.is_live(t));
     for (const VertId v : IdRange<VertId>(coords.size())) {
       ASSERT_EQ(old2new[v] != kNoVert, live[idx(v)] != 0);
@@ -165,7 +162,7 @@ TEST_P(Blocks, CutAndMergedAreTheMeshAgain) {
   const int blocks = GetParam();
   for (unsigned seed = 0; seed < 4; ++seed) {
     Whole w = whole(seed);
-    BlockLabels label = cut_blocks(w.mesh, w.metric, blocks);
+    BlockLabels label = cut_blocks(w.mesh, blocks);
     std::mt19937 random(seed);
     if (seed == 3) {  // any cut will do
       for (auto& l : label) l = static_cast<std::int32_t>(random() % static_cast<unsigned>(blocks));
@@ -175,7 +172,7 @@ TEST_P(Blocks, CutAndMergedAreTheMeshAgain) {
     seal(parts);
     const Merged merged = merge_blocks(parts, w.mesh.vert_slots());
     ASSERT_EQ(check(merged.mesh), "");
-    EXPECT_EQ(content(merged.mesh, merged.metric), content(w.mesh, w.metric));
+    EXPECT_EQ(content(merged.mesh), content(w.mesh));
     EXPECT_EQ(merged.mesh.vert_slots(), w.mesh.vert_slots());
     EXPECT_EQ(merged.mesh.patch_ref, w.mesh.patch_ref);
     EXPECT_TRUE(interface_faces(merged.mesh).empty());
@@ -195,7 +192,7 @@ TEST_P(Blocks, GapsAreFilledWhenBlocksAreMerged) {
   for (const bool small : {false, true}) {
     for (const std::size_t gaps : {0, 1, 12, 60, 300}) {
       TetMesh copy = w.mesh;
-      BlockLabels label = cut_blocks(copy, w.metric, blocks);
+      BlockLabels label = cut_blocks(copy, blocks);
       if (small) {
         for (const TetId t : IdRange<TetId>(label.size())) label[t] = idx(t) < 4 ? 1 : 0;
       }
@@ -208,10 +205,10 @@ TEST_P(Blocks, GapsAreFilledWhenBlocksAreMerged) {
       }
       const Merged merged = merge_blocks(parts, w.mesh.vert_slots());
       ASSERT_EQ(check(merged.mesh), "");
-      EXPECT_EQ(content(merged.mesh, merged.metric), content(w.mesh, w.metric));
+      EXPECT_EQ(content(merged.mesh), content(w.mesh));
       EXPECT_EQ(merged.mesh.vert_slots(), w.mesh.vert_slots());
       EXPECT_EQ(merged.mesh.tet_slots(), w.mesh.tet_slots());
-      EXPECT_EQ(merged.metric.size(), w.mesh.vert_slots());
+      EXPECT_EQ(merged.mesh.metric.size(), w.mesh.vert_slots());
       const auto between = between_blocks(w.mesh, label);
       EXPECT_EQ(merged.between.size(), static_cast<std::size_t>(std::count(between.begin(), between.end(), 1)));
       EXPECT_TRUE(std::is_sorted(merged.between.begin(), merged.between.end()));
@@ -230,7 +227,7 @@ TEST_P(Blocks, WithRefinedInterfacesTheyFitTogether) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     Whole w = whole(seed);
     const Measures before = measure(w.mesh);
-    auto parts = cut(w, cut_blocks(w.mesh, w.metric, blocks), blocks);
+    auto parts = cut(w, cut_blocks(w.mesh, blocks), blocks);
     for (Block& b : parts) {
       prepare(b.part);
       ASSERT_TRUE(refine_block_interface(b));
@@ -250,9 +247,9 @@ TEST_P(Blocks, WithInterfacesRefinedInTwoStepsTheyFitTogether) {
   Whole w;
   w.mesh = make_mesh({.n = 6, .two_regions = true, .required = true});  // plane patches keep their areas
   compact(w.mesh);
-  for (std::size_t v = 0; v < w.mesh.vert_slots(); ++v) w.metric.push_back_log(log(isotropic(1 / (kSize * kSize))));
+  set_metric(w.mesh, UniformMetric{kSize});
   const Measures before = measure(w.mesh);
-  auto parts = cut(w, cut_blocks(w.mesh, w.metric, blocks), blocks);
+  auto parts = cut(w, cut_blocks(w.mesh, blocks), blocks);
   const auto longest = [](const Block& b) {
     double l = 0;
     for (const auto& v : interface_faces(b.part.mesh)) {
@@ -262,7 +259,7 @@ TEST_P(Blocks, WithInterfacesRefinedInTwoStepsTheyFitTogether) {
   };
   for (Block& b : parts) {
     prepare(b.part);
-    const double above = b.part.options.split_above;
+    const double above = b.part.options.method.lengths.split_above;
     ASSERT_TRUE(refine_block_interface(b, kCoarse));
     EXPECT_LE(longest(b), kCoarse * above);
     EXPECT_GT(longest(b), above);  // else the second step has nothing to do
@@ -300,24 +297,18 @@ TEST_P(Blocks, AreCutFromARanksMesh) {
   }
   const auto open = interface_faces(w.mesh);
   ASSERT_FALSE(open.empty());
-  const Items before = content(w.mesh, w.metric);
-  const auto label = cut_blocks(w.mesh, w.metric, GetParam());
+  const Items before = content(w.mesh);
+  const auto label = cut_blocks(w.mesh, GetParam());
   EXPECT_EQ(label.size(), w.mesh.tet_slots());
-  EXPECT_EQ(content(w.mesh, w.metric), before);
+  EXPECT_EQ(content(w.mesh), before);
   EXPECT_EQ(interface_faces(w.mesh), open);
 }
 
 TEST_P(Blocks, HaveEqualWork) {
   const int blocks = GetParam();
   Whole w = whole(1, false);
-  const auto label = cut_blocks(w.mesh, w.metric, blocks);
-  DistMesh dist;
-  dist.mesh = w.mesh;
-  dist.data.width = 6;
-  for (const SymTensor& l : w.metric.log_at) {
-    dist.data.values.insert(dist.data.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
-  }
-  const auto work = predicted_work(dist);
+  const auto label = cut_blocks(w.mesh, blocks);
+  const auto work = predicted_work(w.mesh);
   std::vector<double> of_block(static_cast<std::size_t>(blocks), 0);
   for (const TetId t : IdRange<TetId>(w.mesh.tet_slots())) of_block[label[t]] += work[idx(t)];
   const double mean = std::accumulate(work.begin(), work.end(), 0.0) / blocks;

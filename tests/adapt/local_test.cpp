@@ -16,7 +16,6 @@ namespace {
 
 struct Outcome {
   TetMesh mesh;
-  MetricField metric;
   LocalResult result;
   Measures before;
 };
@@ -40,15 +39,15 @@ Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = 
   Outcome r;
   r.mesh = make_mesh({.n = kCells, .shape = shape, .two_regions = regions, .perturb = 0.2});
   for (const VertId v : IdRange<VertId>(r.mesh.vert_slots())) {
-    if (frozen && r.mesh.coords[v].z == 0) r.mesh.vert_flags[v] |= kFrozen;
+    if (frozen && r.mesh.coords[v].z == 0) r.mesh.vert_state[v] |= kFrozen;
   }
   compact(r.mesh);
-  r.metric = metric_field(r.mesh.coords, layered(scale));
+  set_metric(r.mesh, layered(scale));
   r.before = measure(r.mesh);
   LocalOptions options;
   options.threads = threads;
   options.smallest_band = smallest_band;
-  r.result = adapt_local(r.mesh, r.metric, options);
+  r.result = adapt_local(r.mesh, options);
   return r;
 }
 
@@ -61,7 +60,7 @@ Fit fit(const Outcome& r) {
   for (const TetId t : IdRange<TetId>(r.mesh.tet_slots())) {
     const auto& v = r.mesh.tet2vert[t];
     const auto x = [&](std::size_t i) { return r.mesh.coords[v[i]]; };
-    const auto m = [&](std::size_t i) -> const VertMetric& { return r.metric.at[v[i]]; };
+    const auto m = [&](std::size_t i) -> const VertMetric& { return r.mesh.metric[v[i]]; };
     const double q = quality(quality_cubed(x(0), x(1), x(2), x(3), m(0), m(1), m(2), m(3)));
     out.worst = std::min(out.worst, q);
     out.mean += q / static_cast<double>(r.mesh.tet_slots());
@@ -71,7 +70,7 @@ Fit fit(const Outcome& r) {
   }
   std::size_t unit = 0;
   for (const auto& [a, b] : edges) {
-    const double l = edge_length(r.metric, a, b, r.mesh.coords[a], r.mesh.coords[b]);
+    const double l = edge_length(r.mesh.metric[a].m, r.mesh.metric[b].m, r.mesh.coords[b] - r.mesh.coords[a]);
     unit += l > std::sqrt(0.5) && l < std::sqrt(2.0);
   }
   out.unit_share = 100.0 * static_cast<double>(unit) / static_cast<double>(edges.size());
@@ -87,7 +86,7 @@ TEST_P(Threads, GiveAValidMeshThatFits) {
     ASSERT_EQ(check(r.mesh), "");
     EXPECT_TRUE(interface_faces(r.mesh).empty());
     EXPECT_EQ(differ(r.before, measure(r.mesh), 1e-12), "");
-    EXPECT_EQ(r.metric.size(), r.mesh.vert_slots());
+    EXPECT_EQ(r.mesh.metric.size(), r.mesh.vert_slots());
     EXPECT_EQ(count_tets(r.mesh), r.mesh.tet_slots());
     const Fit f = fit(r);
     EXPECT_GE(f.unit_share, 90);
@@ -104,8 +103,9 @@ TEST_P(Threads, GiveTheSameBytesAgain) {
   EXPECT_EQ(a.mesh.tet2face, b.mesh.tet2face);
   EXPECT_EQ(a.mesh.face_tag, b.mesh.face_tag);
   EXPECT_EQ(a.mesh.coords, b.mesh.coords);
-  EXPECT_EQ(a.mesh.vert_flags, b.mesh.vert_flags);
-  EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+  EXPECT_EQ(a.mesh.vert_class, b.mesh.vert_class);
+  EXPECT_EQ(a.mesh.vert_state, b.mesh.vert_state);
+  EXPECT_EQ(a.mesh.log_metric, b.mesh.log_metric);
 }
 
 TEST_P(Threads, LeaveFrozenVerticesAndTellTheirNumbers) {

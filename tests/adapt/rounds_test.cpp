@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "adapt/adapt.hpp"
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 #include "report/statistics.hpp"
 #include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"
@@ -100,7 +100,7 @@ TEST_P(Adapt, KeepsAndFits) {
     EXPECT_EQ(check(dist.mesh), "");
     expect_kept(before, measure(comm, dist));
     EXPECT_EQ(content(comm, to_slices(comm, dist)).corners, corners_before.corners);
-    for (const std::uint8_t f : dist.mesh.vert_flags) EXPECT_EQ(f & kActive, 0);
+    for (const VertState s : dist.mesh.vert_state) EXPECT_FALSE(any(s & kActive));
     const MeshStatistics s = statistics(comm, dist, true);
     EXPECT_EQ(s.nonpositive_tets, 0);
     EXPECT_GE(s.length.unit_share, 90);
@@ -136,7 +136,7 @@ std::uint64_t hash(const Comm& comm, const DistMesh& dist) {
   add(m.edges.verts);
   add(m.corners.verts);
   add(m.ridges.verts);
-  add(dist.data.values);
+  add(dist.mesh.log_metric.raw());
   return h;
 }
 

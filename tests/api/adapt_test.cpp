@@ -41,7 +41,7 @@ Adapted<SlicedMesh> adapt_cube(MPI_Comm comm, const Options& options = {}, doubl
 }
 
 TEST(Adapt, SlicesWithALinearField) {
-  SlicedMesh mesh = sliced(MPI_COMM_WORLD, cube(4, true));
+  SlicedMesh mesh = sliced(MPI_COMM_WORLD, cube(4, Regions::kTwo));
   Fields fields = linear_fields(mesh.coords);
   Target target = Target::size(sizes(mesh.coords.size()));
   Options options;
@@ -65,7 +65,7 @@ TEST(Adapt, SlicesWithALinearField) {
 }
 
 TEST(Adapt, PartsGiveWhatSlicesGive) {
-  const Whole whole = cube(4, true, true);
+  const WholeMesh whole = cube(4, Regions::kTwoTagged);
   SlicedMesh slices = sliced(MPI_COMM_WORLD, whole);
   Target target = Target::size(sizes(slices.coords.size()));
   const auto a = adapt(MPI_COMM_WORLD, std::move(slices), std::move(target));

@@ -9,8 +9,9 @@
 #include <map>
 #include <vector>
 
+#include "comm/file.hpp"
 #include "skein/skein.hpp"
-#include "tests/dist/cube.hpp"
+#include "tests/support/whole_mesh.hpp"
 
 namespace skein::test {
 
@@ -40,7 +41,7 @@ inline std::vector<Point> points(const std::vector<Vec3>& coords) {
   return out;
 }
 
-inline SlicedMesh sliced(MPI_Comm comm, const Whole& w) {
+inline SlicedMesh sliced(MPI_Comm comm, const WholeMesh& w) {
   SlicedMesh m;
   m.coords = slice_of(comm, points(w.coords));
   m.tets = slice_of(comm, w.tets), m.tet_refs = slice_of(comm, w.tet_ref);
@@ -51,7 +52,7 @@ inline SlicedMesh sliced(MPI_Comm comm, const Whole& w) {
 
 /// The same in parts: tetrahedra in slices with their vertices, local numbers in no special order. Triangles and edges
 /// are on every rank that has their vertices. Global numbers are `stride` apart.
-inline PartitionedMesh parts(MPI_Comm comm, const Whole& w, std::int64_t stride = 1) {
+inline PartitionedMesh parts(MPI_Comm comm, const WholeMesh& w, std::int64_t stride = 1) {
   PartitionedMesh m;
   std::map<std::int64_t, std::int32_t> local;
   const auto tets = slice_of(comm, w.tets);

@@ -130,13 +130,14 @@ TEST(Distribute, FlagsAndDataAreTheSameOnAllCopies) {
   const MeshSlice file = slices(comm, cube(4));
   const FieldSlice field = fields(file);
   DistributeOptions options;
+  options.metric_first = true;
   options.work_from_metric = true;
   const DistMesh dist = distribute(comm, file, &field, options);
   reconcile(comm, dist);
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     const Vec3 x = dist.mesh.coords[v];
-    EXPECT_EQ(dist.data.at(v)[0], 2 + 6 * x.x);
-    EXPECT_EQ(dist.data.at(v)[6], x.x + 2 * x.y + 4 * x.z);
+    EXPECT_EQ(dist.mesh.log_metric[v].xx, 2 + 6 * x.x);
+    EXPECT_EQ(dist.mesh.fields.at(v)[0], x.x + 2 * x.y + 4 * x.z);
     EXPECT_EQ(dist.mesh.vert_ref[v], num(dist.vert2gid[v]) % 5);
     const int sides = on_sides({x.x, x.y, x.z}, 0);
     EXPECT_EQ(dist.mesh.has(v, kSurface), sides >= 1);
@@ -144,7 +145,7 @@ TEST(Distribute, FlagsAndDataAreTheSameOnAllCopies) {
     EXPECT_EQ(dist.mesh.has(v, kCorner), sides >= 3);
     EXPECT_FALSE(dist.mesh.has(v, kActive));
   }
-  const FieldSlice out = to_field_slices(comm, dist, 6, {FieldKind::kScalar});
+  const FieldSlice out = to_field_slices(comm, dist, {FieldKind::kScalar});
   const MeshSlice written = to_slices(comm, dist);
   ASSERT_EQ(out.values.size(), written.coords.size());
   EXPECT_EQ(out.first, written.first_vert);

@@ -113,7 +113,7 @@ TEST(Interface, ActiveBandHasItsWidthOnAllRanks) {
   const Comm& comm = world();
   const int n = 6, layers = 2;
   DistMesh dist = distribute(comm, slices(comm, cube(n)));
-  for (auto& f : dist.mesh.vert_flags) f |= kActive | kBesideFrozen;
+  for (VertState& s : dist.mesh.vert_state) s |= kActive | kBesideFrozen;
   mark_active_band(comm, dist, layers);
   std::vector<Vec3> seeds;
   for (const VertId v : dist.sharing.vert) seeds.push_back(dist.mesh.coords[v]);
@@ -134,8 +134,8 @@ TEST(Interface, OnlyPoorVerticesFollowButRoundRetryVertices) {
   std::vector<Vec3> bad, shared;
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     const Vec3 x = dist.mesh.coords[v];
-    if (is_retry(x)) dist.mesh.vert_flags[v] |= kRetry;
-    if (is_poor(x)) dist.mesh.vert_flags[v] |= kBesideFrozen;
+    if (is_retry(x)) dist.mesh.vert_state[v] |= kRetry;
+    if (is_poor(x)) dist.mesh.vert_state[v] |= kBesideFrozen;
     if (is_retry(x)) bad.push_back(x);
   }
   for (const VertId v : dist.sharing.vert) shared.push_back(dist.mesh.coords[v]);
@@ -167,9 +167,9 @@ TEST(Interface, LeavesWhatHasHigherNumbersAlone) {
   }
   EXPECT_EQ(mark_active_band(comm, dist, 0, before), comm.sum(seeds) > 0);
   for (const VertId v : IdRange<VertId>(old.size())) EXPECT_EQ(dist.mesh.has(v, kActive), old[v] != 0);
-  for (auto& f : dist.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kRetry);  // as the kernel does
+  for (VertState& s : dist.mesh.vert_state) s &= ~kRetry;  // as the kernel does
   EXPECT_FALSE(mark_active_band(comm, dist, 1, GlobalId{0}));
-  for (const auto f : dist.mesh.vert_flags) EXPECT_EQ(f & kActive, 0);
+  for (const VertState s : dist.mesh.vert_state) EXPECT_FALSE(any(s & kActive));
 }
 
 TEST(Interface, RetryVerticesBecomeInteriorAndActive) {
@@ -181,7 +181,7 @@ TEST(Interface, RetryVerticesBecomeInteriorAndActive) {
   const GlobalId retry{comm.min(lowest)};
   for (std::size_t i = 0; i < dist.sharing.size(); ++i) {
     if (dist.sharing.gid[i] == retry && dist.sharing.owned(i, comm.rank()))
-      dist.mesh.vert_flags[dist.sharing.vert[i]] |= kRetry;
+      dist.mesh.vert_state[dist.sharing.vert[i]] |= kRetry;
   }
   EXPECT_EQ(mark_active_band(comm, dist, 1, GlobalId{0}), comm.size() > 1);
   for (int round = 1; round < 4; ++round) {

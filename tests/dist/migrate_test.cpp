@@ -18,13 +18,15 @@ DistMesh make(const Comm& comm) {
   whole.required_tris = {0, 7};
   const MeshSlice file = slices(comm, whole);
   const FieldSlice field = fields(file);
-  return distribute(comm, file, &field);
+  DistributeOptions options;
+  options.metric_first = true;
+  return distribute(comm, file, &field, options);
 }
 
 void expect_data_at_place(const DistMesh& dist) {
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     const Vec3 x = dist.mesh.coords[v];
-    EXPECT_EQ(dist.data.at(v)[6], x.x + 2 * x.y + 4 * x.z);
+    EXPECT_EQ(dist.mesh.fields.at(v)[0], x.x + 2 * x.y + 4 * x.z);
   }
 }
 
@@ -77,7 +79,8 @@ TEST(Migrate, StayingChangesNothing) {
   EXPECT_EQ(before.mesh.tet2face, dist.mesh.tet2face);
   EXPECT_EQ(before.mesh.face_tag, dist.mesh.face_tag);
   EXPECT_EQ(before.mesh.coords, dist.mesh.coords);
-  EXPECT_EQ(before.mesh.vert_flags, dist.mesh.vert_flags);
+  EXPECT_EQ(before.mesh.vert_class, dist.mesh.vert_class);
+  EXPECT_EQ(before.mesh.vert_state, dist.mesh.vert_state);
   EXPECT_EQ(before.vert2gid, dist.vert2gid);
   EXPECT_EQ(before.sharing.rank, dist.sharing.rank);
 }
@@ -87,7 +90,7 @@ TEST(Migrate, ActiveMarksTravelAndFrozenFollowsTheInterface) {
   DistMesh dist = make(comm);
   const auto active = [](Vec3 x) { return x.y < 0.4; };
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
-    if (active(dist.mesh.coords[v])) dist.mesh.vert_flags[v] |= kActive;
+    if (active(dist.mesh.coords[v])) dist.mesh.vert_state[v] |= kActive;
   }
   migrate(comm, dist, scatter(comm, dist, 4));
   IdVector<VertId, char> shared(dist.mesh.vert_slots(), 0);
@@ -123,7 +126,8 @@ TEST(Migrate, SameInputGivesTheSameBytes) {
   EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
   EXPECT_EQ(a.mesh.tet2face, b.mesh.tet2face);
   EXPECT_EQ(a.mesh.coords, b.mesh.coords);
-  EXPECT_EQ(a.data.values, b.data.values);
+  EXPECT_EQ(a.mesh.log_metric, b.mesh.log_metric);
+  EXPECT_EQ(a.mesh.fields.values, b.mesh.fields.values);
   EXPECT_EQ(a.vert2gid, b.vert2gid);
   EXPECT_EQ(a.sharing.rank, b.sharing.rank);
 }

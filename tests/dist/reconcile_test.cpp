@@ -12,7 +12,7 @@ namespace {
 DistMesh make(const Comm& comm) {
   const MeshSlice file = slices(comm, cube(4));
   const FieldSlice field = fields(file);
-  return distribute(comm, file, &field);
+  return distribute(comm, file, &field, {.metric_first = true});
 }
 
 /// Damages rank 0's part; every rank must get the error, and the line must have `word`.
@@ -68,8 +68,13 @@ TEST(Reconcile, SeesWhatIsWrongOnOneRank) {
 TEST(Reconcile, SeesWhatDiffersBetweenRanks) {
   if (world().size() == 1) return;
   expect_fault([](DistMesh& d) { d.mesh.coords[d.sharing.vert[0]].x += 1e-15; }, "coordinates");
-  expect_fault([](DistMesh& d) { d.data.at(d.sharing.vert[2])[3] = -0.0; }, "data");
-  expect_fault([](DistMesh& d) { d.mesh.vert_flags[d.sharing.vert[0]] ^= kCorner; }, "flags");
+  expect_fault([](DistMesh& d) { d.mesh.log_metric[d.sharing.vert[2]].xz = -0.0; }, "data");
+  expect_fault(
+      [](DistMesh& d) {
+        VertClass& c = d.mesh.vert_class[d.sharing.vert[0]];
+        c = any(c & kCorner) ? c & ~kCorner : c | kCorner;
+      },
+      "flags");
   expect_fault(
       [](DistMesh& d) {
         const FaceId f = first_face(d.mesh, false);

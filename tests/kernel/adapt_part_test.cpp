@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "kernel/passes.hpp"
+#include "kernel/recipe.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "tests/kernel/judge.hpp"
@@ -45,7 +45,7 @@ Fit fit(const Part& p) {
 Part make_part(const MeshSpec& spec, const SmoothMetric& metric) {
   Part p;
   p.mesh = make_mesh(spec);
-  p.metric = metric_field(p.mesh.coords, metric);
+  set_metric(p.mesh, metric);
   prepare(p);
   return p;
 }
@@ -60,8 +60,8 @@ RC_GTEST_PROP(AdaptPart, KeepsFlatSidedMeshesInAnyMetric, ()) {
   spec.seed = *rc::gen::arbitrary<unsigned>();
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
   Part p = make_part(spec, random_smooth_metric(random, 0.06, 0.6, 1));
-  p.options.centroid_points = *rc::gen::element(false, false, true);
-  p.options.springs = *rc::gen::element(false, false, true);
+  p.options.method.points = *rc::gen::element(PointCreation::kEdges, PointCreation::kEdges, PointCreation::kCentroids);
+  p.options.method.smoothing = *rc::gen::element(Smoothing::kQuality, Smoothing::kQuality, Smoothing::kSprings);
   const Measures before = measure(p.mesh);
   adapt_part(p);
   RC_ASSERT(judge(p) == "");
@@ -75,9 +75,9 @@ Items frozen_vertices(const Part& p) {
   for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
     if (!p.mesh.is_live(v) || !p.mesh.has(v, kFrozen)) continue;
     const Vec3 x = p.x(v);
-    const SymTensor& l = p.metric.log_at[v];
-    out.insert(
-        {x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_flags[v] & ~(kBesideFrozen | kRetry))});
+    const SymTensor& l = p.mesh.log_metric[v];
+    const VertState state = p.mesh.vert_state[v] & ~(kBesideFrozen | kRetry);
+    out.insert({x.x, x.y, x.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz, double(p.mesh.vert_class[v]), double(state)});
   }
   return out;
 }
@@ -135,7 +135,7 @@ RC_GTEST_PROP(AdaptPart, LeavesFrozenVerticesAndInterfaces, ()) {
   Part p;
   IdVector<VertId, GlobalId> gid;
   p.mesh = cut_out(whole, label, 1, gid);
-  p.metric = metric_field(p.mesh.coords, random_smooth_metric(random, 0.08, 0.6, 1));
+  set_metric(p.mesh, random_smooth_metric(random, 0.08, 0.6, 1));
   prepare(p);
   const Snapshot before(p);
   const Items frozen = frozen_vertices(p);
@@ -154,7 +154,7 @@ RC_GTEST_PROP(AdaptPart, KeepsTheSurfaceWhenAsked, ()) {
   spec.perturb = 0.2;
   std::mt19937 random(*rc::gen::arbitrary<unsigned>());
   Part p = make_part(spec, random_smooth_metric(random, 0.15, 0.8, 1));
-  p.options.surface = false;
+  p.options.surface = SurfaceChange::kNone;
   const Snapshot before(p);
   adapt_part(p);
   RC_ASSERT(judge(p) == "");
@@ -169,9 +169,9 @@ TEST_P(KeptSurface, GetsNoFlatElements) {
   metric.size = {GetParam(), GetParam(), GetParam()};
   for (const bool frozen : {false, true}) {
     Part p = make_part({.n = 6, .perturb = 0.2}, metric);
-    p.options.surface = frozen;
+    p.options.surface = frozen ? SurfaceChange::kAllowed : SurfaceChange::kNone;
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
-      if (frozen && p.x(v).z == 0) p.mesh.vert_flags[v] |= kFrozen;
+      if (frozen && p.x(v).z == 0) p.mesh.vert_state[v] |= kFrozen;
     }
     adapt_part(p);
     ASSERT_EQ(judge(p), "");
@@ -242,7 +242,7 @@ TEST(AdaptPart, CreatesPointsInTwoSteps) {
   EXPECT_GT(long_before, 0.99);
   EXPECT_LT(unit, 0.5);       // not the work of the second step
   EXPECT_GT(above_two, 0.1);  // between the bound of the second step and that of the first
-  EXPECT_LT(fit(p).longest, 2 * kCoarse * p.options.split_above);
+  EXPECT_LT(fit(p).longest, 2 * p.options.method.lengths.first_step * p.options.method.lengths.split_above);
   adapt_part(p);
   ASSERT_EQ(judge(p), "");
   EXPECT_GT(p.counts.insert, 4 * coarse);
@@ -255,7 +255,7 @@ TEST(AdaptPart, RelaxesStrainedEdges) {
   metric.size = {0.03, 0.06, 0.12};
   const auto adapted = [&](bool relax) {
     Part p = make_part({.n = 4, .two_regions = true, .perturb = 0.2}, metric);
-    p.options.relax = relax;
+    p.options.lower_strain = relax;
     const Measures before = measure(p.mesh);
     adapt_part(p);
     EXPECT_EQ(judge(p), "");
@@ -300,7 +300,7 @@ TEST(AdaptPart, GivesTheSameBytesAgain) {
   const Part a = run(), b = run();
   EXPECT_EQ(a.mesh.tet2vert, b.mesh.tet2vert);
   EXPECT_EQ(a.mesh.coords, b.mesh.coords);
-  EXPECT_EQ(a.metric.log_at, b.metric.log_at);
+  EXPECT_EQ(a.mesh.log_metric, b.mesh.log_metric);
 }
 
 /// Beside frozen edges that are far too long for the metric.
@@ -310,8 +310,8 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
     metric.size = {0.06, 0.06, 0.06};
     Part p = make_part({.n = 4, .perturb = 0.2}, metric);
     for (const VertId v : IdRange<VertId>(p.mesh.vert_slots())) {
-      p.mesh.vert_flags[v] |= kRetry | kBesideFrozen;  // of an earlier round
-      if (frozen && p.x(v).x == 0) p.mesh.vert_flags[v] |= kFrozen;
+      p.mesh.vert_state[v] |= kRetry | kBesideFrozen;  // of an earlier round
+      if (frozen && p.x(v).x == 0) p.mesh.vert_state[v] |= kFrozen;
     }
     adapt_part(p);
     IdVector<VertId, char> of_bad(p.mesh.vert_slots(), 0), of_poor(p.mesh.vert_slots(), 0);
@@ -356,16 +356,16 @@ TEST(AdaptPart, FitsAMetricThatTurnsWithinItsElements) {
   p.mesh = make_mesh({.n = 3});
   const Measures before = measure(p.mesh);
   for (int pass = 0; pass < 6; ++pass) {
-    p.metric = metric_field(p.mesh.coords, metric);
+    set_metric(p.mesh, metric);
     prepare(p);
     adapt_part(p);
-    EXPECT_FALSE(p.careful);
-    EXPECT_TRUE(p.anchors.empty());
+    EXPECT_EQ(p.quality_measure, QualityMeasure::kLargestMetric);
+    EXPECT_TRUE(p.mesh.anchor.empty());
     EXPECT_EQ(judge(p), "");
     EXPECT_EQ(differ(before, measure(p.mesh), 1e-12), "");
     compact(p);
   }
-  p.metric = metric_field(p.mesh.coords, metric);
+  set_metric(p.mesh, metric);
   const Fit f = fit(p);
   EXPECT_GT(f.unit_share, 0.93) << f.tets;
   EXPECT_GT(f.worst, 0.25) << f.tets;
@@ -374,7 +374,7 @@ TEST(AdaptPart, FitsAMetricThatTurnsWithinItsElements) {
 TEST(AdaptPart, WithoutActiveVerticesNothingChanges) {
   std::mt19937 random(3);
   Part p = make_part({.n = 4, .perturb = 0.2}, random_smooth_metric(random, 0.1, 0.3, 1));
-  for (auto& f : p.mesh.vert_flags) f = static_cast<std::uint8_t>(f & ~kActive);
+  for (VertState& s : p.mesh.vert_state) s &= ~kActive;
   const Items before = all_tets(p.mesh);
   adapt_part(p);
   EXPECT_EQ(all_tets(p.mesh), before);

@@ -20,7 +20,7 @@ using Triple = std::array<GlobalId, 3>;
 struct Corner {
   Vec3 x;
   SymTensor log_m;
-  std::uint8_t surface;
+  VertClass surface;
 };
 /// A part's interface: its faces, and what is at its vertices.
 struct Interface {
@@ -35,8 +35,8 @@ Interface interface_of(const Part& p, const IdVector<VertId, GlobalId>& gid) {
     std::sort(t.begin(), t.end());
     out.faces.insert(t);
     for (const VertId v : f) {
-      const auto surface = static_cast<std::uint8_t>(p.mesh.vert_flags[v] & (kSurface | kRidge | kCorner));
-      out.corners[gid[v]] = {p.x(v), p.metric.log_at[v], surface};
+      const VertClass surface = p.mesh.vert_class[v] & (kSurface | kRidge | kCorner);
+      out.corners[gid[v]] = {p.x(v), p.mesh.log_metric[v], surface};
     }
   }
   return out;
@@ -49,8 +49,8 @@ struct Pieces {
 
 /// A mesh cut into `count` pieces by planes through the middle.
 Pieces cut(const MeshSpec& spec, int count, std::mt19937& random, double low, double high) {
-  const TetMesh whole = make_mesh(spec);
-  const auto field = metric_field(whole.coords, random_smooth_metric(random, low, high, 1));
+  TetMesh whole = make_mesh(spec);
+  set_metric(whole, random_smooth_metric(random, low, high, 1));
   const auto frame = random_frame(random);
   IdVector<TetId, int> label(whole.tet_slots());
   const Vec3 middle = whole.coords[VertId{static_cast<int>(whole.vert_slots() / 2)}];
@@ -64,7 +64,6 @@ Pieces cut(const MeshSpec& spec, int count, std::mt19937& random, double low, do
     Part p;
     IdVector<VertId, GlobalId> gid;
     p.mesh = cut_out(whole, label, b, gid);
-    for (const GlobalId g : gid) p.metric.push_back_log(field.log_at[to_id<VertId>(num(g))]);
     prepare(p);
     out.parts.push_back(std::move(p));
     out.gid.push_back(gid);
@@ -89,7 +88,7 @@ RC_GTEST_PROP(RefineInterface, GivesTheSameOnAllSides, ()) {
     Part& p = pieces.parts[b];
     if (p.mesh.tet_slots() == 0) continue;
     const Snapshot before(p);
-    const std::uint8_t kept = keep ? kSurface : 0;
+    const KeptVerts kept{.of_class = keep ? kSurface : VertClass{}};
     RC_ASSERT(refine_interface(p, pieces.gid[b], kept));
     RC_ASSERT(judge(p) == "");
     RC_ASSERT(differ(measure(before.mesh), measure(p.mesh), 1e-12) == "");
@@ -100,8 +99,8 @@ RC_GTEST_PROP(RefineInterface, GivesTheSameOnAllSides, ()) {
       for (std::size_t i = 0; i < 3; ++i) {
         RC_ASSERT(p.mesh.has(f[i], kFrozen));
         const VertId v = f[i], w = f[(i + 1) % 3];
-        const bool stays = ((p.mesh.vert_flags[v] | p.mesh.vert_flags[w]) & kept) != 0;
-        RC_ASSERT(stays || p.length(v, w) <= p.options.split_above * (1 + 1e-12));
+        const bool stays = kept.has(p.mesh, v) || kept.has(p.mesh, w);
+        RC_ASSERT(stays || p.length(v, w) <= p.options.method.lengths.split_above * (1 + 1e-12));
       }
     }
     const Interface mine = interface_of(p, pieces.gid[b]);

@@ -13,14 +13,14 @@ namespace {
 
 bool was_live(const TetMesh& m, TetId t) { return idx(t) < m.tet_slots() && m.is_live(t); }
 
-double quality_cubed_of(const TetMesh& m, const MetricField& f, TetId t, bool careful) {
+double quality_cubed_of(const TetMesh& m, TetId t, QualityMeasure measure) {
   const auto& v = m.tet2vert[t];
-  if (careful) {
-    return least_quality_cubed(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]], f.at[v[0]], f.at[v[1]],
-                               f.at[v[2]], f.at[v[3]]);
+  if (measure == QualityMeasure::kLeast) {
+    return least_quality_cubed(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]], m.metric[v[0]],
+                               m.metric[v[1]], m.metric[v[2]], m.metric[v[3]]);
   }
-  return quality_cubed(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]], f.at[v[0]], f.at[v[1]],
-                       f.at[v[2]], f.at[v[3]]);
+  return quality_cubed(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]], m.metric[v[0]], m.metric[v[1]],
+                       m.metric[v[2]], m.metric[v[3]]);
 }
 
 bool same_edges(const FeatureEdges& a, const FeatureEdges& b) {
@@ -32,9 +32,10 @@ bool same_edges(const FeatureEdges& a, const FeatureEdges& b) {
 }
 
 bool same_vertex(const Snapshot& before, const Part& after, VertId v) {
-  return before.mesh.coords[v] == after.mesh.coords[v] && before.mesh.vert_ref[v] == after.mesh.vert_ref[v] &&
-         before.mesh.vert_flags[v] == after.mesh.vert_flags[v] && before.metric.log_at[v] == after.metric.log_at[v] &&
-         before.metric.at[v].m == after.metric.at[v].m && before.metric.at[v].sqrt_det == after.metric.at[v].sqrt_det;
+  const TetMesh &a = before.mesh, &b = after.mesh;
+  return a.coords[v] == b.coords[v] && a.vert_ref[v] == b.vert_ref[v] && a.vert_class[v] == b.vert_class[v] &&
+         a.vert_state[v] == b.vert_state[v] && a.log_metric[v] == b.log_metric[v] && a.metric[v].m == b.metric[v].m &&
+         a.metric[v].sqrt_det == b.metric[v].sqrt_det;
 }
 
 /// Required triangles by their sorted vertices, with their tags.
@@ -87,13 +88,13 @@ Change change(const Snapshot& before, const Part& after, VertId moved) {
     }
     if (lived) {
       c.gone.push_back(t);
-      const double q3 = quality_cubed_of(before.mesh, before.metric, t, before.careful);
+      const double q3 = quality_cubed_of(before.mesh, t, before.quality_measure);
       c.old_min = std::min(c.old_min, q3);
       c.old_sum += inverse_sixth_power(q3);
     }
     if (lives) {
       c.fresh.push_back(t);
-      const double q3 = quality_cubed_of(after.mesh, after.metric, t, after.careful);
+      const double q3 = quality_cubed_of(after.mesh, t, after.quality_measure);
       c.new_min = std::min(c.new_min, q3);
       c.new_sum += inverse_sixth_power(q3);
     }
@@ -127,7 +128,7 @@ std::string judge(const Snapshot& before, const Part& after, double tolerance, V
   const TetMesh &a = before.mesh, &b = after.mesh;
   for (const VertId v : IdRange<VertId>(a.vert_slots())) {
     if (!a.is_live(v)) continue;
-    const bool fixed = a.has(v, kFrozen | kCorner | kRequired);
+    const bool fixed = a.has(v, kFrozen) || a.has(v, kCorner | kRequired);
     if (fixed && !b.is_live(v)) return fmt::format("fixed vertex {} has gone", num(v));
     if (b.is_live(v) && (fixed || v != moved) && !same_vertex(before, after, v)) {
       return fmt::format("vertex {} has changed", num(v));

@@ -11,10 +11,9 @@ namespace skein::test {
 /// What of a part counts; not its scratch memory.
 struct Snapshot {
   TetMesh mesh;
-  MetricField metric;
   IdVector<TetId, float> q3;
-  bool careful;
-  explicit Snapshot(const Part& p) : mesh(p.mesh), metric(p.metric), q3(p.q3), careful(p.careful) {}
+  QualityMeasure quality_measure;
+  explicit Snapshot(const Part& p) : mesh(p.mesh), q3(p.q3), quality_measure(p.quality_measure) {}
 };
 
 /// Empty when all that lives is the same bit by bit. Free slots may have come.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "metric/metric_field.hpp"
+#include "metric/mesh_metric.hpp"
 #include "tests/metric/tensors.hpp"
 
 namespace skein::test {
@@ -37,11 +37,17 @@ inline SmoothMetric random_smooth_metric(std::mt19937& random, double low, doubl
   return m;
 }
 
+/// Gives the vertices this metric.
 template <class Metric>
-MetricField metric_field(const IdVector<VertId, Vec3>& coords, const Metric& metric) {
-  MetricField f;
-  for (const Vec3 x : coords) f.push_back_log(metric.log_at(x));
-  return f;
+void set_metric(VertColumns& mesh, const Metric& metric) {
+  mesh.log_metric.resize(mesh.coords.size());
+  mesh.metric.resize(mesh.coords.size());
+  for (const VertId v : IdRange<VertId>(mesh.coords.size())) set_log_metric(mesh, v, metric.log_at(mesh.coords[v]));
 }
+/// The same size h everywhere.
+struct UniformMetric {
+  double h;
+  [[nodiscard]] SymTensor log_at(Vec3) const noexcept { return log(isotropic(1 / (h * h))); }
+};
 
 }  // namespace skein::test

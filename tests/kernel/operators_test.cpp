@@ -6,10 +6,10 @@
 #include <cmath>
 #include <set>
 
-#include "kernel/collapse.hpp"
-#include "kernel/insert.hpp"
-#include "kernel/smooth.hpp"
-#include "kernel/swap.hpp"
+#include "kernel/operators/collapse.hpp"
+#include "kernel/operators/insert.hpp"
+#include "kernel/operators/smooth.hpp"
+#include "kernel/operators/swap.hpp"
 #include "mesh/check.hpp"
 #include "tests/kernel/judge.hpp"
 #include "tests/kernel/metrics.hpp"
@@ -22,7 +22,7 @@ struct Setting {
   MeshSpec mesh;
   bool cut = false;  ///< half of the mesh is another part: its faces are the interface
   bool surface = true;
-  bool careful = false, anchored = false;
+  bool least = false, anchored = false;  ///< QualityMeasure::kLeast; with anchors of the metric
   unsigned seed = 1;
 };
 
@@ -36,7 +36,7 @@ Setting any_setting(Shape shape) {
   s.mesh.seed = *rc::gen::inRange(0u, 10000u);
   s.cut = *rc::gen::arbitrary<bool>();
   s.surface = *rc::gen::element(true, true, true, false);
-  s.careful = *rc::gen::element(false, false, true);
+  s.least = *rc::gen::element(false, false, true);
   s.anchored = *rc::gen::arbitrary<bool>();
   s.seed = *rc::gen::inRange(0u, 1000000u);
   return s;
@@ -57,12 +57,12 @@ Part make_part(const Setting& s, std::mt19937& random) {
     IdVector<VertId, GlobalId> gid;
     part.mesh = cut_out(part.mesh, label, 0, gid);
   }
-  part.metric = metric_field(part.mesh.coords, random_smooth_metric(random, 0.05, 1.0, 1.5));
-  part.options.surface = s.surface;
-  part.careful = s.careful;
+  set_metric(part.mesh, random_smooth_metric(random, 0.05, 1.0, 1.5));
+  part.options.surface = s.surface ? SurfaceChange::kAllowed : SurfaceChange::kNone;
+  part.quality_measure = s.least ? QualityMeasure::kLeast : QualityMeasure::kLargestMetric;
   if (s.anchored) {
     for (const VertId v : IdRange<VertId>(part.mesh.vert_slots()))
-      part.anchors.push_back({part.x(v), part.metric.log_at[v]});
+      part.mesh.anchor.push_back({part.x(v), part.mesh.log_metric[v]});
   }
   prepare(part);
   return part;
@@ -194,7 +194,7 @@ class Bench {
                          part_.mesh.features.find(a, p)->ref != feature.ref)) {
       return say("on_edge", "a feature edge is not split as such");
     }
-    return say("on_edge", inserted(before, part_.options.length_min_new, seed_min));
+    return say("on_edge", inserted(before, part_.options.method.lengths.closest_new, seed_min));
   }
 
   std::string inside(TetId t) {
@@ -212,7 +212,7 @@ class Bench {
     const Snapshot before(part_);
     const double max_length = any(1, 6), floor_q3 = any(0, 0.03);
     const bool on_surface = part_.mesh.has(v, kSurface);
-    const bool did = collapse_.collapse(v, u, t, max_length, floor_q3);
+    const bool did = collapse_.collapse(v, u, t, max_length, KeepFloor{floor_q3, 0.5});
     if (auto fault = verdict(before, did, on_surface); !fault.empty()) return say("collapse", fault);
     if (!did) return {};
     surface_done += on_surface;
@@ -236,7 +236,7 @@ class Bench {
     const Snapshot before(part_);
     const double gain = any(1, 2);
     const bool on_surface = part_.mesh.has(v, kSurface);
-    const bool did = collapse_.collapse_to_improve(v, u, t, any(1, 6), gain);
+    const bool did = collapse_.collapse(v, u, t, any(1, 6), RaiseWorst{gain});
     if (auto fault = verdict(before, did, on_surface); !fault.empty()) return say("collapse to improve", fault);
     if (!did) return {};
     surface_done += on_surface;
@@ -254,7 +254,7 @@ class Bench {
   }
   std::string edge_swap(TetId t, VertId a, VertId b) {
     const Snapshot before(part_);
-    const bool did = swap_.edge(t, a, b);
+    const bool did = swap_.edge(t, a, b, RaiseWorst{1.05});
     bool on_surface = false;
     if (did) {
       for (const TetId s : change(before, part_).gone) {
@@ -273,14 +273,14 @@ class Bench {
   }
   std::string face_swap(FaceId f) {
     const Snapshot before(part_);
-    const bool did = swap_.face(f);
+    const bool did = swap_.face(f, RaiseWorst{1.05});
     if (auto fault = verdict(before, did, false); !fault.empty()) return say("face swap", fault);
     return did ? swapped("face swap", before, 1.05) : "";
   }
 
   std::string move(VertId v) {
     const Snapshot before(part_);
-    const bool did = smooth_.move(v);
+    const bool did = smooth_.move(v, SmoothBall{});
     // A straight ridge may have curved patches at its sides, whose facets then turn.
     if (auto fault = verdict(before, did, part_.mesh.has(v, kRidge), v); !fault.empty()) return say("move", fault);
     if (!did) return {};
@@ -296,21 +296,21 @@ class Bench {
   struct Strain {
     double edges = 0, shape = 0;  ///< summed over edges; 1/Q^3 over elements
   };
-  static Strain strain_of(const TetMesh& mesh, const MetricField& metric, bool careful) {
+  static Strain strain_of(const TetMesh& mesh, QualityMeasure quality) {
     Strain out;
     std::set<std::pair<VertId, VertId>> edges;
-    const auto& m = metric.at;
+    const auto& m = mesh.metric;
     const auto& x = mesh.coords;
     for (const TetId t : IdRange<TetId>(mesh.tet_slots())) {
       if (!mesh.is_live(t)) continue;
       const auto& v = mesh.tet2vert[t];
-      const auto measure = careful ? least_quality_cubed : quality_cubed_by_largest;
+      const auto measure = quality == QualityMeasure::kLeast ? least_quality_cubed : quality_cubed_by_largest;
       out.shape += 1 / measure(x[v[0]], x[v[1]], x[v[2]], x[v[3]], m[v[0]], m[v[1]], m[v[2]], m[v[3]]);
       for (const auto& e : kEdgeVerts) {
         edges.insert(std::minmax(v[e[0]], v[e[1]]));
       }
     }
-    for (const auto& [a, b] : edges) out.edges += strain(edge_length(metric, a, b, x[a], x[b]));
+    for (const auto& [a, b] : edges) out.edges += strain(edge_length(m[a].m, m[b].m, x[b] - x[a]));
     return out;
   }
   /// An operator that may make elements worse down to a floor for the good of a sum: did(max_length, floor_q3) is it;
@@ -328,16 +328,15 @@ class Bench {
     const std::string fault = fault_of_sum(before, c);
     return fault.empty() ? "" : say(name, fault);
   }
-  /// One of the operators that relax edges.
+  /// One of the operators with the objective LowerStrain.
   std::string relax(TetId t, VertId a, VertId b, int which) {
     const auto did = [&](double max_length, double floor_q3) {
-      return which == 0   ? collapse_.collapse_to_relax(a, b, t, max_length, floor_q3)
-             : which == 1 ? swap_.edge_to_relax(t, a, b, floor_q3)
-                          : smooth_.move_to_relax(a, floor_q3);
+      return which == 0   ? collapse_.collapse(a, b, t, max_length, LowerStrain{floor_q3})
+             : which == 1 ? swap_.edge(t, a, b, LowerStrain{floor_q3, 0.99, 0.95})
+                          : smooth_.move(a, LowerStrain{floor_q3});
     };
     return lessen("relax", a, which == 2 ? a : kNoVert, 0.99, did, [&](const Snapshot& before, const Change&) {
-      const Strain was = strain_of(before.mesh, before.metric, before.careful),
-                   is = strain_of(part_.mesh, part_.metric, part_.careful);
+      const Strain was = strain_of(before.mesh, before.quality_measure), is = strain_of(part_.mesh, part_.quality_measure);
       const double shape = which == 2 ? 0.005 : 0;
       const bool less = is.edges + shape * is.shape < (was.edges + shape * was.shape) * (1 + 1e-4);
       return less ? "" : fmt::format("strain from {} to {} by operator {}", was.edges, is.edges, which);
@@ -345,18 +344,18 @@ class Bench {
   }
   std::string along_axes(VertId v) {
     const Snapshot before(part_);
-    const bool did = smooth_.move_along_axes(v);
+    const bool did = smooth_.move(v, RaiseWorst{1.01});
     if (auto fault = verdict(before, did, part_.mesh.has(v, kRidge), v); !fault.empty()) return say("axes", fault);
     if (!did) return {};
     const Change c = change(before, part_, v);
     return c.new_min > c.old_min ? "" : say("axes", "the worst element did not get better");
   }
-  /// One of the operators that lessen the sum of burdens.
+  /// One of the operators that lessen the sum of Q^-6.
   std::string reduce_sum(TetId t, VertId a, VertId b, int which) {
     const auto did = [&](double max_length, double floor_q3) {
-      return which == 0   ? collapse_.collapse_to_reduce_sum(a, b, t, max_length, floor_q3)
-             : which == 1 ? swap_.edge_to_reduce_sum(t, a, b, floor_q3)
-                          : smooth_.move_to_reduce_sum(a, floor_q3);
+      return which == 0   ? collapse_.collapse(a, b, t, max_length, LowerSum{floor_q3, 0.99})
+             : which == 1 ? swap_.edge(t, a, b, LowerSum{floor_q3, 0.995, 0.999})
+                          : smooth_.move(a, LowerSum{floor_q3, 0.998});
     };
     return lessen("reduce_sum", a, which == 2 ? a : kNoVert, 0.999, did, [&](const Snapshot&, const Change& c) {
       const bool less = c.new_sum < c.old_sum;
@@ -378,9 +377,9 @@ void run(Shape shape) {
   const Setting s = any_setting(shape);
   const int steps = *rc::gen::inRange(1, 400);
   RC_LOG() << fmt::format(
-      "n {} regions {} required {} perturb {} mesh seed {} cut {} surface {} careful {} anchored {} seed {} steps {}",
-      s.mesh.n, s.mesh.two_regions, s.mesh.required, s.mesh.perturb, s.mesh.seed, s.cut, s.surface, s.careful,
-      s.anchored, s.seed, steps);
+      "n {} regions {} required {} perturb {} mesh seed {} cut {} surface {} least {} anchored {} seed {} steps {}",
+      s.mesh.n, s.mesh.two_regions, s.mesh.required, s.mesh.perturb, s.mesh.seed, s.cut, s.surface, s.least, s.anchored,
+      s.seed, steps);
   Bench bench(s);
   RC_ASSERT(judge(bench.part()) == "");
   for (int i = 0; i < steps; ++i) RC_ASSERT(bench.step() == "");
@@ -395,20 +394,20 @@ double size_of(const SymTensor& t) {
 double error_after_moves(Part& part, const SmoothMetric& field, bool anchored) {
   if (anchored) {
     for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
-      part.anchors.push_back({part.x(v), part.metric.log_at[v]});
+      part.mesh.anchor.push_back({part.x(v), part.mesh.log_metric[v]});
     }
   }
   Smoother smooth(part);
   for (int turn = 0; turn < 10; ++turn) {
     for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
-      smooth.move(v);
-      smooth.move_to_relax(v, 0);
-      smooth.move_to_reduce_sum(v, 0);
+      smooth.move(v, SmoothBall{});
+      smooth.move(v, LowerStrain{0});
+      smooth.move(v, LowerSum{0, 0.998});
     }
   }
   double worst = 0;
   for (const VertId v : IdRange<VertId>(part.mesh.vert_slots())) {
-    worst = std::max(worst, size_of(part.metric.log_at[v] + -1.0 * field.log_at(part.x(v))));
+    worst = std::max(worst, size_of(part.mesh.log_metric[v] + -1.0 * field.log_at(part.x(v))));
   }
   return worst;
 }
@@ -424,7 +423,7 @@ RC_GTEST_PROP(Operators, MoveVerticesWithTheirMetrics, ()) {
   for (const bool anchored : {false, true}) {
     Part part;
     part.mesh = make_mesh(spec);
-    part.metric = metric_field(part.mesh.coords, field);
+    set_metric(part.mesh, field);
     prepare(part);
     RC_ASSERT(error_after_moves(part, field, anchored) < 1e-9);
     RC_ASSERT(part.counts.smooth > 0);
@@ -440,7 +439,7 @@ TEST(Operators, AnchorsKeepErrorsOfMetricsFromAddingUp) {
     for (const bool anchored : {false, true}) {
       Part part;
       part.mesh = make_mesh({.n = 5, .perturb = 0.2, .seed = seed});
-      part.metric = metric_field(part.mesh.coords, field);
+      set_metric(part.mesh, field);
       prepare(part);
       (anchored ? with : without) += error_after_moves(part, field, anchored);
     }

@@ -83,6 +83,7 @@ struct Content {
   std::multiset<std::vector<double>> edges;
   friend bool operator==(const Content&, const Content&) = default;
 };
+double flags_of(const TetMesh& m, VertId v) { return double(m.vert_class[v]) + 256.0 * double(m.vert_state[v]); }
 Content content(const TetMesh& m) {
   Content c;
   const auto put = [&](std::vector<double>& out, VertId v) {
@@ -91,7 +92,7 @@ Content content(const TetMesh& m) {
   };
   for (const VertId v : IdRange<VertId>(m.vert_slots())) {
     const Vec3 x = m.coords[v];
-    if (m.is_live(v)) c.verts.insert({x.x, x.y, x.z, m.vert_flags[v] + 256.0 * m.vert_ref[v]});
+    if (m.is_live(v)) c.verts.insert({x.x, x.y, x.z, flags_of(m, v) + 65536.0 * m.vert_ref[v]});
   }
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;
@@ -172,7 +173,7 @@ RC_GTEST_PROP(Check, SeesWhatIsDamaged, (std::uint32_t seed)) {
       m.vert2tet[m.tet2vert[t][f]] = kNoTet;
       break;
     default:
-      m.vert_flags[m.features.list()[random() % m.features.size()].a] = 0;
+      m.vert_class[m.features.list()[random() % m.features.size()].a] = {};
   }
   RC_ASSERT(check(m) != "");
 }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "metric/metric_field.hpp"
+#include "metric/mesh_metric.hpp"
 #include "tests/metric/tensors.hpp"
 
 namespace skein::test {
@@ -61,7 +61,7 @@ RC_GTEST_PROP(Quality, IsOneForTheUnitTetrahedronOfAnyMetric, (std::uint32_t see
   RC_ASSERT(std::abs(quality_cubed(s * x[0], s * x[1], s * x[2], s * x[3], vm, vm, vm, vm) - 1) < tolerance);
 }
 
-RC_GTEST_PROP(MetricField, KnowsTheDeterminantAtAnyAnisotropy, (std::uint32_t seed)) {
+RC_GTEST_PROP(MeshMetric, KnowsTheDeterminantAtAnyAnisotropy, (std::uint32_t seed)) {
   std::mt19937 random(seed);
   Eigen e;
   e.vector = random_frame(random);

@@ -1,5 +1,5 @@
 // The algebra of tensors, up to anisotropy 1e6 (eigenvalues that differ by 1e12).
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "metric/batch.hpp"
-#include "metric/metric_field.hpp"
+#include "metric/mesh_metric.hpp"
 #include "tests/metric/tensors.hpp"
 
 namespace skein::test {

@@ -2,7 +2,7 @@
 #pragma once
 #include <random>
 
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 namespace skein::test {
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "metric/metric_field.hpp"
+#include "metric/mesh_metric.hpp"
 #include "report/order_statistics.hpp"
 #include "tests/support/dist_meshes.hpp"
 #include "tests/support/world.hpp"

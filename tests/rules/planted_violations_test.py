@@ -22,7 +22,7 @@ PLANTED = {
     "mpi.h outside comm": ("src/kernel/cavity.cpp", "#include <mpi.h>\n", "<mpi.h> is included outside comm/"),
     "MPI call outside comm": ("partition/part.cpp", "void f() { MPI_Barrier(c); }\n", "MPI_Barrier is used"),
     "MPI in an example": ("examples/a/field.cpp", "#include <mpi.h>\n", "<mpi.h> is included outside comm/"),
-    "mesh includes metric": ("src/mesh/a.cpp", '#include "metric/tensor.hpp"\n', "mesh must not include metric"),
+    "mesh includes metric": ("src/mesh/a.cpp", '#include "metric/measure.hpp"\n', "mesh must not include metric"),
     "kernel includes comm": ("src/kernel/a.hpp", '#pragma once\n#include "comm/comm.hpp"\n', "kernel must not include comm"),
     "partition includes mesh": ("partition/a.cpp", '#include "mesh/tet_mesh.hpp"\n', "partition must not include mesh"),
     "dist includes adapt": ("src/dist/a.cpp", '#include "adapt/adapt.hpp"\n', "dist must not include adapt"),

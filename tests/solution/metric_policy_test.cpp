@@ -183,15 +183,12 @@ TEST(MakeMetric, IsTheStepOfItsSourceAndTheRanksDoNotMatter) {
   const auto run = [](const Comm& comm, const MetricPolicy& policy) {
     Case c = policy.source == MetricSource::kField ? Case{DealtCube{8, 0.2}.part(comm), {}} : given(comm, policy);
     if (policy.source == MetricSource::kField) {
-      c.dist.data = {1, sample(c.dist, front)};
+      c.dist.mesh.fields = {1, sample(c.dist, front)};
     } else {
-      c.dist.data.width = 6;
-      for (const SymTensor& l : c.log_metric)
-        c.dist.data.values.insert(c.dist.data.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
+      c.dist.mesh.log_metric = IdVector<VertId, SymTensor>(c.log_metric);
     }
     static_cast<void>(make_metric(comm, c.dist, policy));
-    c.log_metric.clear();
-    for (const VertId v : IdRange<VertId>(c.dist.mesh.vert_slots())) c.log_metric.push_back(log_metric_at(c.dist, v));
+    c.log_metric = c.dist.mesh.log_metric.raw();
     return c;
   };
   for (const MetricSource source : {MetricSource::kSizes, MetricSource::kTensors, MetricSource::kField}) {

@@ -22,8 +22,8 @@ constexpr int kWidth = 4;
 std::array<double, kWidth> linear(Vec3 x) { return {1 + 2 * x.x - 3 * x.y + 0.5 * x.z, 7, x.x, 1e6 - x.z}; }
 
 template <class F>
-VertexData fields_at(const DistMesh& dist, F f) {
-  VertexData d{kWidth, {}};
+VertFields fields_at(const DistMesh& dist, F f) {
+  VertFields d{kWidth, {}};
   for (const Vec3 x : dist.mesh.coords) {
     for (const double c : f(x)) d.values.push_back(c);
   }
@@ -52,7 +52,7 @@ std::vector<Vec3> scattered(int n) {
   return points;
 }
 
-void expect_linear(const std::vector<Vec3>& points, const VertexData& got) {
+void expect_linear(const std::vector<Vec3>& points, const VertFields& got) {
   EXPECT_EQ(got.values.size(), points.size() * kWidth);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto want = linear(points[i]);
@@ -89,7 +89,7 @@ TEST(Transfer, old_vertices_keep_their_values_bit_by_bit) {
   const auto wild = [](Vec3 x) {
     return std::array<double, kWidth>{std::sin(1e3 * x.x), 1 / (0.1 + x.y), 1e-9 * x.z, std::cos(1e4 * (x.x + x.z))};
   };
-  const VertexData fields = fields_at(dist, wild);
+  const VertFields fields = fields_at(dist, wild);
   const Background old(world(), dist, fields);
   EXPECT_EQ(old.at_vertices(dist).values, fields.values);
 }
@@ -132,7 +132,7 @@ TEST(Transfer, on_a_curved_boundary_the_error_is_within_its_deviation) {
                  fine = moved(world(), DealtCube{3 * kCells, 0}, ring);
   const Background old(world(), dist, fields_at(dist, linear));
   TransferReport report;
-  const VertexData got = old.at_vertices(fine, 1, &report);
+  const VertFields got = old.at_vertices(fine, 1, &report);
   const double deviation = 2 * (1 - std::cos(std::acos(0.0) / kCells / 2));
   EXPECT_GT(report.outside, 0);
   EXPECT_LE(report.farthest, deviation);
@@ -148,7 +148,7 @@ TEST(Transfer, on_a_curved_boundary_the_error_is_within_its_deviation) {
 
 TEST(Transfer, fields_that_do_not_fit_are_refused_on_all_ranks) {
   const DistMesh dist = plain(world(), DealtCube{3, 0});
-  VertexData fields = fields_at(dist, linear);
+  VertFields fields = fields_at(dist, linear);
   if (world().is_root()) fields.values.pop_back();
   EXPECT_THROW(Background(world(), dist, fields), AgreedError);
 }
@@ -176,12 +176,7 @@ MeshSlice cube_slices(const DealtCube& cube) {
 TEST(Transfer, after_adaptation_linear_fields_are_exact) {
   DistMesh dist = distribute(world(), cube_slices({4, 0.1}));
   const Background old(world(), dist, fields_at(dist, linear));
-  dist.data.width = 6;
-  dist.data.values.clear();
-  for (const Vec3 x : dist.mesh.coords) {
-    const double l = -2 * std::log(0.05 + 0.15 * x.x);
-    for (const double c : {l, 0.0, l, 0.0, 0.0, l}) dist.data.values.push_back(c);
-  }
+  for (const Vec3 x : dist.mesh.coords) dist.mesh.log_metric.push_back(isotropic(-2 * std::log(0.05 + 0.15 * x.x)));
   PhaseLog log(world(), PhaseLog::Output::kQuiet);
   adapt(world(), dist, {}, log);
   TransferReport report;

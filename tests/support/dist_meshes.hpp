@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "base/tensor.hpp"
 #include "comm/comm.hpp"
 #include "comm/file.hpp"
 #include "dist/distribute.hpp"
@@ -17,7 +18,6 @@
 #include "dist/reconcile.hpp"
 #include "mesh/check.hpp"
 #include "mesh/mesh_slice.hpp"
-#include "metric/tensor.hpp"
 #include "tests/support/whole_mesh.hpp"
 
 namespace skein::test {
@@ -167,7 +167,7 @@ inline bool mark_active_band(const Comm& comm, DistMesh& dist, int layers, Globa
   return InterfaceRegion(comm, dist, layers).mark_active(layers, before);
 }
 
-/// Collective. The whole mesh on all ranks with the log-metric log_metric(x) as data.
+/// Collective. The whole mesh on all ranks with the log-metric log_metric(x).
 template <class LogMetric>
 DistMesh with_metric(const Comm& comm, const WholeMesh& whole, LogMetric&& log_metric) {
   const MeshSlice file = slices(comm, whole);
@@ -181,7 +181,9 @@ DistMesh with_metric(const Comm& comm, const WholeMesh& whole, LogMetric&& log_m
     const SymTensor l = log_metric(x);
     f.values.insert(f.values.end(), {l.xx, l.xy, l.yy, l.xz, l.yz, l.zz});
   }
-  return distribute(comm, file, &f);
+  DistributeOptions options;
+  options.metric_first = true;
+  return distribute(comm, file, &f, options);
 }
 
 }  // namespace skein::test

@@ -125,7 +125,7 @@ void find_features(TetMesh& m) {
     if (w.empty()) continue;
     const bool smooth =
         w.size() == 2 && dot(normalized(m.coords[w[0]] - m.coords[v]), normalized(m.coords[w[1]] - m.coords[v])) < -0.7;
-    if (!smooth || m.features.find(v, w[0])->ref != m.features.find(v, w[1])->ref) m.vert_flags[v] |= kCorner;
+    if (!smooth || m.features.find(v, w[0])->ref != m.features.find(v, w[1])->ref) m.vert_class[v] |= kCorner;
   }
 }
 
@@ -139,7 +139,8 @@ TetMesh make_mesh(const MeshSpec& spec) {
   }
   m.face_tag.assign(m.tet_slots(), {0, 0, 0, 0});
   m.vert_ref.assign(m.vert_slots(), 0);
-  m.vert_flags.assign(m.vert_slots(), kActive);
+  m.vert_class.assign(m.vert_slots(), {});
+  m.vert_state.assign(m.vert_slots(), kActive);
   m.patch_ref = {11, 12, 13, 14, 15, 16, 17};
   build_adjacency(m);
   tag_faces(m, spec, random);
@@ -149,8 +150,8 @@ TetMesh make_mesh(const MeshSpec& spec) {
   find_features(m);
   mark_boundary_vertices(m);
   if (spec.required) {
-    for (auto& f : m.vert_flags) {
-      if (random() % 40 == 0) f |= kRequired;
+    for (VertClass& c : m.vert_class) {
+      if (random() % 40 == 0) c |= kRequired;
     }
   }
   return m;
@@ -161,14 +162,14 @@ TetMesh cut_out(const TetMesh& whole, const IdVector<TetId, int>& label, int b, 
   IdVector<VertId, VertId> whole2part(whole.vert_slots(), kNoVert);
   IdVector<TetId, TetId> tet2part(whole.tet_slots(), kNoTet);
   gid.clear();
+  std::vector<VertId> verts;
   for (const TetId t : IdRange<TetId>(whole.tet_slots())) {
     if (label[t] != b) continue;
     auto v = whole.tet2vert[t];
     for (VertId& w : v) {
       if (whole2part[w] == kNoVert) {
-        whole2part[w] = m.coords.push_back(whole.coords[w]);
-        m.vert_ref.push_back(whole.vert_ref[w]);
-        m.vert_flags.push_back(whole.vert_flags[w]);
+        whole2part[w] = to_id<VertId>(verts.size());
+        verts.push_back(w);
         gid.push_back(GlobalId{num(w)});
       }
       w = whole2part[w];
@@ -177,10 +178,11 @@ TetMesh cut_out(const TetMesh& whole, const IdVector<TetId, int>& label, int b, 
     m.face_tag.push_back(whole.face_tag[t]);
     m.tet_ref.push_back(whole.tet_ref[t]);
   }
+  for_each_vert_column(m, whole, [&](auto& to, const auto& from) { gather_column(to, from, verts); });
   build_adjacency(m);
   for (const TetId t : IdRange<TetId>(whole.tet_slots())) {
     for (const VertId v : whole.tet2vert[t]) {
-      if (label[t] != b && whole2part[v] != kNoVert) m.vert_flags[whole2part[v]] |= kFrozen;
+      if (label[t] != b && whole2part[v] != kNoVert) m.vert_state[whole2part[v]] |= kFrozen;
     }
     if (tet2part[t] == kNoTet) continue;
     for (const auto& e : kEdgeVerts) {

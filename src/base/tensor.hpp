@@ -19,6 +19,13 @@ struct SymTensor {
   friend constexpr bool operator==(const SymTensor&, const SymTensor&) = default;
 };
 
+/// The metric at a vertex with the square root of its determinant beside it.
+struct alignas(64) VertMetric {
+  SymTensor m;           ///< 1/length^2
+  double sqrt_det = 1;   ///< 1/length^3
+  double order_key = 1;  ///< who has the largest determinant is told by this; see order_key_of (metric/measure.hpp)
+};
+
 constexpr SymTensor isotropic(double diagonal) noexcept { return {diagonal, 0, diagonal, 0, 0, diagonal}; }
 /// e' M e
 constexpr double quad(const SymTensor& m, Vec3 e) noexcept {

@@ -1,5 +1,5 @@
 // Tensor algebra by Jacobi rotations.
-#include "metric/tensor.hpp"
+#include "base/tensor.hpp"
 
 #include <algorithm>
 

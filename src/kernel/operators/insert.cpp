@@ -1,15 +1,8 @@
 // Insertion of points as Delaunay cavities in the metric.
-#include "kernel/insert.hpp"
+#include "kernel/operators/insert.hpp"
 
 namespace skein {
 namespace {
-
-constexpr std::size_t kMaxCavity = 96;
-constexpr int kShrinkTurns = 4;
-/// Q^3 of a tetrahedron on a face that stays, below which no new point presses it further: on a face that is longer
-/// than the metric asks for, there would always be room for one more, nearer to it.
-constexpr double kKeptFloor = 0.3 * 0.3 * 0.3;
-constexpr double kStrictFloor = 0.05 * 0.05 * 0.05;  ///< Q^3 that no point may go below, with set_strict
 
 /// Edge bits of a tetrahedron -> those of its face's edges in a new tetrahedron (p, v0, v1, v2) on that face.
 constexpr auto kBaseEdges = [] {
@@ -29,7 +22,7 @@ constexpr auto kBaseEdges = [] {
 [[gnu::always_inline]] inline void fetch(const Part& p, TetId t) noexcept {
   for (const VertId v : p.mesh.tet2vert[t]) {
     __builtin_prefetch(&p.mesh.coords[v]);
-    __builtin_prefetch(&p.metric.at[v]);
+    __builtin_prefetch(&p.mesh.metric[v]);
   }
   __builtin_prefetch(&p.mesh.tet2face[t]);
   __builtin_prefetch(&p.mesh.face_tag[t]);
@@ -53,7 +46,8 @@ void Inserter::grow(VertId p) {
   // as good as random, and a wrong guess costs more than a test.
   const TetMesh& m = part_->mesh;
   auto& old = cavity_->old_tets();
-  for (std::size_t from = 0; from < old.size() && old.size() < kMaxCavity;) {
+  const auto largest = static_cast<std::size_t>(part_->options.method.insert.largest_cavity);
+  for (std::size_t from = 0; from < old.size() && old.size() < largest;) {
     if (around_.size() < 4 * old.size()) around_.resize(4 * old.size());
     std::size_t n = 0;
     for (; from < old.size(); ++from) {
@@ -70,7 +64,7 @@ void Inserter::grow(VertId p) {
     for (std::size_t i = 0; i < n; ++i) fetch(*part_, around_[i]);
     spheres_.clear();
     for (std::size_t i = 0; i < n; ++i) spheres_.add(*part_, m.tet2vert[around_[i]]);
-    spheres_.test(part_->x(p), part_->metric.at[p].m);
+    spheres_.test(part_->x(p), part_->mesh.metric[p].m);
     std::size_t inside = 0;
     for (std::size_t i = 0; i < n; ++i) {
       around_[inside] = around_[i];
@@ -115,7 +109,7 @@ void Inserter::collect_border() {
 }
 
 bool Inserter::cone_is_good(VertId p, double floor_q3) {
-  if (!part_->careful) return true;
+  if (part_->quality_measure == QualityMeasure::kLargestMetric) return true;
   for (std::size_t i = 0; i < border_.size(); ++i) {
     const auto& v = border_[i].v;
     const double q3 = part_->quality_cubed(p, v[0], v[1], v[2]);
@@ -127,10 +121,10 @@ bool Inserter::cone_is_good(VertId p, double floor_q3) {
 
 bool Inserter::is_pressed(std::size_t i) const noexcept {
   const BorderFace& f = border_[i];
-  if (cone_.q3(i) > kKeptFloor || cone_.q3(i) >= static_cast<double>(part_->q3[cavity_->old_tets()[f.old]]))
+  if (cone_.q3(i) > fixed_face_floor() || cone_.q3(i) >= static_cast<double>(part_->q3[cavity_->old_tets()[f.old]]))
     return false;
   const TetMesh& m = part_->mesh;
-  if (f.tag != 0 && (!part_->options.surface || (f.tag & kRequiredFace) != 0)) return true;
+  if (f.tag != 0 && (!part_->options.may_change_surface() || (f.tag & kRequiredFace) != 0)) return true;
   return m.has(f.v[0], kFrozen) && m.has(f.v[1], kFrozen) && m.has(f.v[2], kFrozen);
 }
 
@@ -144,10 +138,10 @@ bool Inserter::keeps_distance() const noexcept {
 bool Inserter::shrink_and_cone(VertId p, std::size_t seeds, double floor_q3) {
   auto& old = cavity_->old_tets();
   // A cavity that is still not star-shaped after a few turns is a bad one, and each turn judges all of it again.
-  for (int turn = 0; turn < kShrinkTurns; ++turn) {
+  for (int turn = 0; turn < part_->options.method.insert.shrink_turns; ++turn) {
     collect_border();
-    const double lowest = cone_.judge(part_->x(p), part_->metric.at[p]);
-    if (lowest > floor_q3 && (lowest > kKeptFloor || keeps_distance())) return true;
+    const double lowest = cone_.judge(part_->x(p), part_->mesh.metric[p]);
+    if (lowest > floor_q3 && (lowest > fixed_face_floor() || keeps_distance())) return true;
     // What has a bad face goes; from the end on, since removing moves the last one into the gap.
     std::size_t last = old.size();
     for (std::size_t i = border_.size(); i-- > 0;) {
@@ -211,7 +205,7 @@ bool Inserter::keeps_vertices() {
 bool Inserter::link_too_close(VertId p, double min_length) {
   for (const VertId v : link()) {
     const std::uint8_t bits = part_->classify(p, v);
-    const bool may_be = (bits & kMayBeShort) != 0 || min_length > part_->options.collapse_below;
+    const bool may_be = (bits & kMayBeShort) != 0 || min_length > part_->options.method.lengths.collapse_below;
     if (may_be && part_->is_shorter(p, v, min_length)) return true;
     part_->edge_class[v] = bits;
   }
@@ -222,16 +216,17 @@ InsertResult Inserter::insert(VertId p, std::size_t seeds, double min_length) {
   const double seed_min = cavity_->old_min_q3();
   if (too_close(p, min_length)) return InsertResult::kTooClose;
   grow(p);
-  constexpr double kGood = 0.2 * 0.2 * 0.2;
-  double floor_q3 = std::max(1e-15, std::min(kGood, 0.125 * seed_min));
-  if (strict_) floor_q3 = std::max(floor_q3, std::min(kStrictFloor, seed_min));
+  const Method::Insert& o = part_->options.method.insert;
+  const double good = cube(o.good_quality);
+  double floor_q3 = std::max(1e-15, std::min(good, o.seed_share * seed_min));
+  if (floor_ == Floor::kStrict) floor_q3 = std::max(floor_q3, std::min(cube(o.strict_floor), seed_min));
   if (!shrink_and_cone(p, seeds, floor_q3) || !keeps_vertices()) {
     auto& old = cavity_->old_tets();
     if (old.size() == seeds) return InsertResult::kRefused;
     while (old.size() > seeds) cavity_->remove_at(old.size() - 1);
     if (!shrink_and_cone(p, seeds, floor_q3) || !keeps_vertices()) return InsertResult::kRefused;
   }
-  if (link_too_close(p, min_length) || (seed_min < kGood && neighbours_too_close(p, min_length)))
+  if (link_too_close(p, min_length) || (seed_min < good && neighbours_too_close(p, min_length)))
     return InsertResult::kTooClose;
   return cone_is_good(p, floor_q3) ? InsertResult::kDone : InsertResult::kRefused;
 }
@@ -248,49 +243,60 @@ void Inserter::commit(VertId p) {
   cavity_->commit();
 }
 
+std::optional<EdgeKind> Inserter::kind_of_edge() const noexcept {
+  const Part& part = *part_;
+  const TetMesh& m = part.mesh;
+  // Where the surface is not a manifold, a fan between hull faces may have its other fans in another part.
+  const bool shared = !shell_.closed && m.has(shell_.a, kFrozen) && m.has(shell_.b, kFrozen);
+  if (shell_.on_interface || shared) return {};
+  bool surface = false;
+  for (int i = 0; i < shell_.ring_size(); ++i) {
+    if ((shell_.tag[i] & kRequiredFace) != 0) return {};
+    surface = surface || shell_.tag[i] != 0;
+  }
+  if (surface && !part.options.may_change_surface()) return {};
+  const bool feature = m.feature(shell_.a, shell_.b) != nullptr;
+  if (feature) return surface ? EdgeKind::kRidge : EdgeKind::kLine;
+  return surface ? EdgeKind::kSurface : EdgeKind::kInside;
+}
+
+Vec3 Inserter::place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const {
+  const Part& part = *part_;
+  if (kind == EdgeKind::kInside) return part.x(a) + s * (part.x(b) - part.x(a));
+  return part.geometry->between(part.mesh, a, b, s, kind);
+}
+
+void Inserter::split_boundary(VertId p) {
+  const VertId a = shell_.a, b = shell_.b;
+  for (int i = 0; i < shell_.ring_size(); ++i) {
+    if (shell_.tag[i] == 0) continue;
+    cavity_->wall(a, p, shell_.ring[i], shell_.tag[i]);
+    cavity_->wall(p, b, shell_.ring[i], shell_.tag[i]);
+  }
+  TetMesh& m = part_->mesh;
+  const FeatureEdge* feature = m.feature(a, b);
+  if (feature == nullptr) return;
+  m.vert_ref[p] = feature->ref;
+  m.features.split(a, b, p);
+}
+
 InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
   Part& part = *part_;
-  TetMesh& m = part.mesh;
-  if (!gather_shell(m, t, a, b, shell_)) return InsertResult::kRefused;
-  // Where the surface is not a manifold, a fan between hull faces may have its other fans in another part.
-  const bool shared = !shell_.closed && m.has(a, kFrozen) && m.has(b, kFrozen);
-  if (shell_.on_interface || shared) return InsertResult::kRefused;
-  std::uint8_t flags = 0;
-  bool kept = false;
-  for (int i = 0; i < shell_.ring_size(); ++i) {
-    const FaceTag tag = shell_.tag[i];
-    if (tag != 0) flags |= kSurface;
-    kept = kept || (tag & kRequiredFace) != 0;
-  }
-  if (kept || (flags != 0 && !part.options.surface)) return InsertResult::kRefused;
-  const FeatureEdge* feature = nullptr;
-  if (m.has(a, kRidge) && m.has(b, kRidge)) feature = m.features.find(a, b);
-  if (feature != nullptr) flags |= kRidge;
-
+  if (!gather_shell(part.mesh, t, a, b, shell_)) return InsertResult::kRefused;
+  const auto kind = kind_of_edge();
+  if (!kind) return InsertResult::kRefused;
   on_edge_ = true;
   cavity_->clear();
   for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[i]);
-  const Vec3 x = part.x(a) + s * (part.x(b) - part.x(a));
-  const SymTensor log_m = (1 - s) * part.metric.log_at[a] + s * part.metric.log_at[b];
-  const VertId p = new_vertex(part, x, log_m, flags);
-  const InsertResult result = insert(p, static_cast<std::size_t>(shell_.n), part.options.length_min_new);
+  const Vec3 x = place_on_edge(a, b, s, *kind);
+  const SymTensor log_m = (1 - s) * part.mesh.log_metric[a] + s * part.mesh.log_metric[b];
+  const VertId p = new_vertex(part, x, log_m, class_on(*kind));
+  const InsertResult result = insert(p, static_cast<std::size_t>(shell_.n), part.closest_new);
   if (result != InsertResult::kDone) {
     drop_vertex(part, p);
     return result;
   }
-  for (int i = 0; i < shell_.ring_size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (shell_.tag[k] == 0) continue;
-    cavity_->wall(a, p, shell_.ring[k], shell_.tag[k]);
-    cavity_->wall(p, b, shell_.ring[k], shell_.tag[k]);
-  }
-  if (feature != nullptr) {
-    const FeatureEdge e = *feature;
-    m.features.erase(a, b);
-    m.features.insert(a, p, e.ref, e.ridge);
-    m.features.insert(p, b, e.ref, e.ridge);
-    m.vert_ref[p] = e.ref;
-  }
+  if (*kind != EdgeKind::kInside) split_boundary(p);
   commit(p);
   ++part.counts.insert;
   return result;
@@ -303,12 +309,12 @@ InsertResult Inserter::inside(TetId t, const std::array<double, 4>& weight, doub
   SymTensor log_m;
   for (std::size_t i = 0; i < 4; ++i) {
     x += weight[i] * part.x(v[i]);
-    log_m = log_m + weight[i] * part.metric.log_at[v[i]];
+    log_m = log_m + weight[i] * part.mesh.log_metric[v[i]];
   }
   on_edge_ = false;
   cavity_->clear();
   cavity_->add(t);
-  const VertId p = new_vertex(part, x, log_m, 0);
+  const VertId p = new_vertex(part, x, log_m, {});
   const InsertResult result = insert(p, 1, exclusion);
   if (result != InsertResult::kDone) {
     drop_vertex(part, p);

@@ -1,5 +1,6 @@
 // Insertion of points as Delaunay cavities in the metric.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,18 +25,27 @@ class Inserter {
   /// A point inside tetrahedron t (its barycentric weights positive), not nearer than `exclusion` (metric length) to
   /// any vertex of the cavity.
   InsertResult inside(TetId t, const std::array<double, 4>& weight, double exclusion);
-  /// From now on no point may leave an element below 0.05 that is worse than the worst of those it replaces; otherwise
-  /// it may always have half their quality, as more points will follow.
-  void set_strict(bool strict) noexcept { strict_ = strict; }
+  /// How poor elements a new point may leave: kLoose: half the quality of the worst that it replaces, as more points
+  /// will follow; kStrict: none below Method::Insert::strict_floor that is worse than the worst of these.
+  enum class Floor { kLoose, kStrict };
+  void set_floor(Floor floor) noexcept { floor_ = floor; }
   /// Of the edge that was tried last; cut off where it was too large.
   [[nodiscard]] const Shell& shell() const noexcept { return shell_; }
 
  private:
+  /// Of the gathered shell; nothing if the edge must not be split.
+  [[nodiscard]] std::optional<EdgeKind> kind_of_edge() const noexcept;
+  [[nodiscard]] Vec3 place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const;
+  /// The facets and the feature edge of the shell become two each, with p between.
+  void split_boundary(VertId p);
+  /// Q^3 of a tetrahedron on a face that can neither be split nor move, below which no new point presses it further: on
+  /// a face that is longer than the metric asks for, there would always be room for one more, nearer to it.
+  [[nodiscard]] double fixed_face_floor() const noexcept { return cube(part_->options.method.insert.fixed_face_floor); }
   InsertResult insert(VertId p, std::size_t seeds, double min_length);
   void grow(VertId p);
   /// The faces that the new point is joined to: into border_ and cone_.
   void collect_border();
-  /// With Part::careful: takes the careful measure over for all elements of the cone; false if one is below the floor.
+  /// With QualityMeasure::kLeast: measures all elements of the cone so; false if one is below the floor.
   [[nodiscard]] bool cone_is_good(VertId p, double floor_q3);
   /// The i-th face of the border can neither be split nor move, and would get a poor element, worse than the old one.
   [[nodiscard]] bool is_pressed(std::size_t i) const noexcept;
@@ -70,7 +80,7 @@ class Inserter {
   std::vector<VertId> link_;
   std::size_t n_link_ = 0;
   bool on_edge_ = false;
-  bool strict_ = false;
+  Floor floor_ = Floor::kLoose;
   bool walled_ = false;  ///< a tagged face of the shell lies in the cavity
 };
 

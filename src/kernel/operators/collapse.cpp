@@ -1,18 +1,18 @@
 // Removal of a vertex: a neighbour is reinserted into its ball.
-#include "kernel/collapse.hpp"
+#include "kernel/operators/collapse.hpp"
 
 #include <algorithm>
-#include <numbers>
+#include <type_traits>
 
 namespace skein {
 namespace {
-constexpr std::size_t kMaxBall = 200;
+constexpr std::size_t kMaxBall = 200;  ///< tetrahedra; no mesh worth keeping has more at a vertex that goes
 }
 
 bool Collapser::may_leave(VertId v, VertId u) const noexcept {
   const TetMesh& m = part_->mesh;
-  if (m.has(v, kFrozen | kCorner | kRequired)) return false;
-  if (m.has(v, kSurface | kRidge) && !part_->options.surface) return false;
+  if (m.has(v, kFrozen) || m.has(v, kCorner | kRequired)) return false;
+  if (m.has(v, kSurface | kRidge) && !part_->options.may_change_surface()) return false;
   if (m.has(v, kRidge)) return m.has(u, kRidge | kCorner) && m.features.find(v, u) != nullptr;
   if (m.has(v, kSurface)) return m.has(u, kSurface);
   return true;
@@ -37,42 +37,28 @@ void Collapser::collect_facets(VertId v) {
 
 bool Collapser::ridge_allows(VertId v, VertId u) {
   const TetMesh& m = part_->mesh;
-  // The other end of the ridge at v: the new ridge edge (u, w) must pass close to v.
   for (const Facet& f : facets_) {
     for (const VertId w : {f.x, f.y}) {
+      // The other end of the ridge at v.
       if (w == u || !m.has(w, kRidge | kCorner) || m.features.find(v, w) == nullptr) continue;
-      const Vec3 e = part_->x(w) - part_->x(u), d = part_->x(v) - part_->x(u);
-      const double l2 = dot(e, e);
-      if (!(l2 > 0) || dot(d, e) <= 0 || dot(d, e) >= l2) return false;
-      if (norm(cross(e, d)) > part_->options.collapse_deviation * l2) return false;
+      if (!part_->geometry->allows_ridge_collapse(m, v, u, w)) return false;
     }
   }
   return true;
 }
 
 bool Collapser::surface_allows(VertId v, VertId u) {
-  const TetMesh& m = part_->mesh;
   int at_edge = 0;
-  const double min_dot = std::cos(part_->options.surface_angle * std::numbers::pi / 180);
-  bool near = false, flat = true;
   for (const Facet& f : facets_) {
     if ((f.tag & kRequiredFace) != 0) return false;
-    if (f.x == u || f.y == u) {
-      ++at_edge;
-      continue;
-    }
-    const Vec3 xv = part_->x(v), xu = part_->x(u), xx = part_->x(f.x), xy = part_->x(f.y);
-    const Vec3 was = cross(xx - xv, xy - xv), is = cross(xx - xu, xy - xu);
-    const double lw = norm(was), li = norm(is);
-    if (!(dot(was, is) > min_dot * lw * li) || !(li > 0)) return false;
-    const double height = std::abs(dot(is, xv - xu)) / li;  // of v over the new facet's plane
-    const double size = std::max(norm(xx - xu), norm(xy - xu));
-    if (height <= part_->options.collapse_deviation * size) near = true;
-    if (height > 1e-9 * size) flat = false;
+    at_edge += f.x == u || f.y == u ? 1 : 0;
   }
   if (at_edge == 0) return false;  // (v, u) is no edge of the surface
-  if (!near && !flat) return false;
-  // Link condition on the surface: v and u have no common neighbours but the apexes of the facets at (v, u).
+  return part_->geometry->allows_collapse(part_->mesh, v, u, facets_) && links_meet_in_facets(v, u);
+}
+
+bool Collapser::links_meet_in_facets(VertId v, VertId u) {
+  const TetMesh& m = part_->mesh;
   const std::uint32_t stamp = ++part_->vert_stamp;
   for (const Facet& f : facets_) {
     if (f.x != u) part_->vert_mark[f.x] = stamp;
@@ -84,13 +70,11 @@ bool Collapser::surface_allows(VertId v, VertId u) {
   }
   const std::uint32_t keep = part_->tet_stamp;
   ball_u_.clear();
-  const bool all = gather_ball(*part_, u, ball_u_);
-  bool ok = all;
-  for (const TetId t : ball_u_) {
-    if (!ok) break;
-    for (int f = 0; f < 4 && ok; ++f) {
-      if (m.face_tag[t][f] == 0) continue;
-      if (m.tet2vert[t][f] == u) continue;
+  bool ok = gather_ball(*part_, u, ball_u_);
+  for (std::size_t i = 0; i < ball_u_.size() && ok; ++i) {
+    const TetId t = ball_u_[i];
+    for (std::size_t f = 0; f < 4 && ok; ++f) {
+      if (m.face_tag[t][f] == 0 || m.tet2vert[t][f] == u) continue;
       for (const VertId w : m.verts(make_face(t, f))) {
         if (w != u && w != v && part_->vert_mark[w] == stamp) ok = false;
       }
@@ -163,48 +147,19 @@ void Collapser::move_features(VertId v, VertId u) {
   }
 }
 
-template <class Wanted, class Floor, class Better>
-bool Collapser::attempt(VertId v, VertId u, TetId at, double max_length, Wanted&& wanted, Floor&& floor_of_old_min,
-                        Better&& better) {
-  if (!may_leave(v, u)) return false;
-  TetMesh& m = part_->mesh;
-  cavity_->clear();
-  if (!gather_within(v, u, at, max_length) || !wanted()) return false;
-  const bool surface = m.has(v, kSurface);
-  if (surface) {
-    if (!facets_can_move(v, u)) return false;
-    collect_facets(v);
-  }
-  if (!cone(v, u, floor_of_old_min(cavity_->old_min_q3())) || !better()) return false;
-  if (surface) {
-    if (!surface_allows(v, u)) return false;
-    if (m.has(v, kRidge) && !ridge_allows(v, u)) return false;
+void Collapser::commit(VertId v, VertId u) {
+  if (part_->mesh.has(v, kSurface)) {
     for (const Facet& f : facets_) {
       if (f.x != u && f.y != u) cavity_->wall(u, f.x, f.y, f.tag);
     }
-    if (m.has(v, kRidge)) move_features(v, u);
+    if (part_->mesh.has(v, kRidge)) move_features(v, u);
   }
   cavity_->commit();
   drop_vertex(*part_, v);
   ++part_->counts.collapse;
-  return true;
 }
 
-namespace {
-constexpr auto always = [] { return true; };
-}
-
-bool Collapser::collapse(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
-  const auto floor = [&](double old_min) { return std::min(floor_q3, 0.5 * old_min); };
-  return attempt(v, u, at, max_length, always, floor, always);
-}
-
-bool Collapser::collapse_to_improve(VertId v, VertId u, TetId at, double max_length, double gain) {
-  return attempt(
-      v, u, at, max_length, always, [&](double old_min) { return gain * old_min; }, always);
-}
-
-bool Collapser::relaxes(VertId v, VertId u, TetId at) {
+bool Collapser::lowers_strain(VertId v, VertId u, TetId at, double strain_share) {
   Part& p = *part_;
   if (!gather_shell(p.mesh, at, v, u, shell_)) return false;
   const std::uint32_t stamp = ++p.vert_stamp;
@@ -222,20 +177,34 @@ bool Collapser::relaxes(VertId v, VertId u, TetId at) {
       if (goes(w)) is += p.strain(u, w);
     }
   }
-  return is < was;
+  return is < strain_share * was;
 }
 
-bool Collapser::collapse_to_relax(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
-  const auto floor = [&](double old_min) { return std::min(floor_q3, old_min); };
-  return attempt(
-      v, u, at, max_length, [&] { return relaxes(v, u, at); }, floor, always);
+template <class Objective>
+bool Collapser::collapse(VertId v, VertId u, TetId at, double max_length, const Objective& objective) {
+  if (!may_leave(v, u)) return false;
+  const TetMesh& m = part_->mesh;
+  cavity_->clear();
+  if (!gather_within(v, u, at, max_length)) return false;
+  if constexpr (std::is_same_v<Objective, LowerStrain>) {
+    if (!lowers_strain(v, u, at, objective.strain_share)) return false;
+  }
+  if (m.has(v, kSurface)) {
+    if (!facets_can_move(v, u)) return false;
+    collect_facets(v);
+  }
+  if (!cone(v, u, objective.bound(cavity_->old_min_q3()))) return false;
+  if constexpr (std::is_same_v<Objective, LowerSum>) {
+    if (!(cavity_->new_sum() < objective.sum_share * cavity_->old_sum())) return false;
+  }
+  if (m.has(v, kSurface) && !surface_allows(v, u)) return false;
+  if (m.has(v, kSurface) && m.has(v, kRidge) && !ridge_allows(v, u)) return false;
+  commit(v, u);
+  return true;
 }
-
-bool Collapser::collapse_to_reduce_sum(VertId v, VertId u, TetId at, double max_length, double floor_q3) {
-  constexpr double kGain = 0.99;
-  const auto floor = [&](double old_min) { return std::min(floor_q3, old_min); };
-  const auto lighter = [&] { return cavity_->new_sum() < kGain * cavity_->old_sum(); };
-  return attempt(v, u, at, max_length, always, floor, lighter);
-}
+template bool Collapser::collapse(VertId, VertId, TetId, double, const KeepFloor&);
+template bool Collapser::collapse(VertId, VertId, TetId, double, const RaiseWorst&);
+template bool Collapser::collapse(VertId, VertId, TetId, double, const LowerStrain&);
+template bool Collapser::collapse(VertId, VertId, TetId, double, const LowerSum&);
 
 }  // namespace skein

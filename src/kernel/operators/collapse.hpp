@@ -1,0 +1,48 @@
+// Removal of a vertex: a neighbour is reinserted into its ball.
+#pragma once
+#include <vector>
+
+#include "geometry/geometry.hpp"
+#include "kernel/cavity.hpp"
+#include "kernel/objective.hpp"
+#include "kernel/shell.hpp"
+
+namespace skein {
+
+/// Collapses vertex v onto its neighbour u: the ball of v is coned from u. Refused when v may not go (corner, required,
+/// frozen), when a ridge vertex would leave its ridge or a surface vertex its patch, when the geometry does not allow
+/// the new facets, a new edge gets longer than `max_length`, or the objective is not met.
+class Collapser {
+ public:
+  Collapser(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}
+  /// `at` is a tetrahedron with both of them. Objective: KeepFloor, RaiseWorst, LowerStrain (of the edges that come
+  /// against those that go) or LowerSum.
+  template <class Objective>
+  bool collapse(VertId v, VertId u, TetId at, double max_length, const Objective& objective);
+
+ private:
+  /// The edges from u have less strain than those from v, whose ball is in the cavity.
+  [[nodiscard]] bool lowers_strain(VertId v, VertId u, TetId at, double strain_share);
+  [[nodiscard]] bool may_leave(VertId v, VertId u) const noexcept;
+  void collect_facets(VertId v);
+  /// The geometry allows the new facets, and the surface stays as it is connected.
+  [[nodiscard]] bool surface_allows(VertId v, VertId u);
+  /// v and u have no common neighbours on the surface but those of the facets that they share.
+  [[nodiscard]] bool links_meet_in_facets(VertId v, VertId u);
+  [[nodiscard]] bool ridge_allows(VertId v, VertId u);
+  /// The ball of v into the cavity; false, halfway, when a new edge from u would be longer than max_length.
+  bool gather_within(VertId v, VertId u, TetId at, double max_length);
+  [[nodiscard]] bool facets_can_move(VertId v, VertId u) const noexcept;
+  bool cone(VertId v, VertId u, double floor_q3);
+  void move_features(VertId v, VertId u);
+  /// Facets and features follow, then the cavity is committed.
+  void commit(VertId v, VertId u);
+
+  Part* part_;
+  Cavity* cavity_;
+  std::vector<Facet> facets_;
+  std::vector<TetId> ball_u_;
+  Shell shell_;
+};
+
+}  // namespace skein
