@@ -5,21 +5,17 @@
 #include <new>
 
 #include "comm/impl.hpp"
+#include "comm/verdict.hpp"
 
 namespace skein {
-namespace {
 
-struct Verdict {
-  ExitCode code = ExitCode::kOk;
-  std::string line;
-};
-
-Verdict run(const Comm& comm, const std::function<void()>& work) {
+Verdict verdict_of(const Comm& comm, const std::function<void()>& work) {
   try {
     work();
     return {};
   } catch (const Error& e) {
-    return {e.code() == ExitCode::kOk ? ExitCode::kInternal : e.code(), e.what()};
+    const bool agreed = dynamic_cast<const AgreedError*>(&e) != nullptr;
+    return {e.code() == ExitCode::kOk ? ExitCode::kInternal : e.code(), e.what(), agreed};
   } catch (const std::bad_alloc&) {
     return {ExitCode::kInternal, fmt::format("out of memory on rank {} of {}; use more ranks or a coarser mesh",
                                              num(comm.rank()), comm.size())};
@@ -30,21 +26,21 @@ Verdict run(const Comm& comm, const std::function<void()>& work) {
   }
 }
 
-}  // namespace
-
-void agree(const Comm& comm, const std::function<void()>& work) {
-  Verdict mine = run(comm, work);
+void agree_on(const Comm& comm, const Verdict& mine) {
   const bool ok = mine.code == ExitCode::kOk;
   const std::int32_t failed = comm.min(ok ? std::int32_t{comm.size()} : num(comm.rank()));
   if (failed == comm.size()) return;
-  std::replace(mine.line.begin(), mine.line.end(), '\n', ' ');
+  std::string line = mine.line;
+  std::replace(line.begin(), line.end(), '\n', ' ');
   struct Head {
     std::int64_t code, length;
-  } head{static_cast<std::int64_t>(mine.code), static_cast<std::int64_t>(mine.line.size())};
+  } head{static_cast<std::int64_t>(mine.code), static_cast<std::int64_t>(line.size())};
   detail::broadcast_bytes(comm, &head, sizeof head, Rank{failed});
-  mine.line.resize(static_cast<std::size_t>(head.length));
-  detail::broadcast_bytes(comm, mine.line.data(), mine.line.size(), Rank{failed});
-  throw AgreedError(static_cast<ExitCode>(head.code), mine.line);
+  line.resize(static_cast<std::size_t>(head.length));
+  detail::broadcast_bytes(comm, line.data(), line.size(), Rank{failed});
+  throw AgreedError(static_cast<ExitCode>(head.code), line);
 }
+
+void agree(const Comm& comm, const std::function<void()>& work) { agree_on(comm, verdict_of(comm, work)); }
 
 }  // namespace skein

@@ -22,16 +22,8 @@ bool mpi_running() noexcept {
   return started != 0 && finished == 0;
 }
 
-Comm::Impl* duplicate(MPI_Comm from) {
-  auto* impl = new Comm::Impl;
-  MPI_Comm_dup(from, &impl->mpi);
-  MPI_Comm_rank(impl->mpi, &impl->rank);
-  MPI_Comm_size(impl->mpi, &impl->size);
-  return impl;
-}
-
 void destroy(Comm::Impl* impl) noexcept {
-  if (impl != nullptr && mpi_running()) MPI_Comm_free(&impl->mpi);
+  if (impl != nullptr && impl->mpi != MPI_COMM_NULL && mpi_running()) MPI_Comm_free(&impl->mpi);
   delete impl;
 }
 
@@ -59,6 +51,20 @@ void skip_networks() noexcept {
 
 }  // namespace
 
+namespace detail {
+
+Comm duplicate(MPI_Comm from) {
+  auto* impl = new Comm::Impl;
+  MPI_Comm_dup(from, &impl->mpi);
+  MPI_Comm_rank(impl->mpi, &impl->rank);
+  MPI_Comm_size(impl->mpi, &impl->size);
+  return Comm(impl);
+}
+
+void abandon(Comm& comm) noexcept { comm.impl().mpi = MPI_COMM_NULL; }
+
+}  // namespace detail
+
 Environment::Environment(int& argc, char**& argv) {
   if (all_on_this_machine()) skip_networks();
   int level = 0;
@@ -77,8 +83,10 @@ void abort_all(ExitCode code) noexcept {
   std::_Exit(static_cast<int>(code));
 }
 
-Comm Comm::world() { return Comm(duplicate(MPI_COMM_WORLD)); }
-Comm Comm::self() { return Comm(duplicate(MPI_COMM_SELF)); }
+Comm::Comm(Impl* impl) noexcept : impl_(impl) {}
+Comm Comm::world() { return detail::duplicate(MPI_COMM_WORLD); }
+Comm Comm::self() { return detail::duplicate(MPI_COMM_SELF); }
+Comm Comm::from(MpiHandle handle) { return detail::duplicate(*static_cast<const MPI_Comm*>(handle.mpi_comm)); }
 Comm::~Comm() { destroy(impl_); }
 Comm::Comm(Comm&& other) noexcept : impl_(other.impl_) { other.impl_ = nullptr; }
 Comm& Comm::operator=(Comm&& other) noexcept {

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/ids.hpp"
+#include "comm/mpi_handle.hpp"
 
 namespace skein {
 
@@ -42,6 +43,8 @@ class Comm {
   static Comm world();
   /// This process alone: a communicator of one rank.
   static Comm self();
+  /// Collective over the caller's communicator: the same ranks, with a communicator of their own.
+  static Comm from(MpiHandle caller);
   ~Comm();
   Comm(Comm&&) noexcept;
   Comm& operator=(Comm&&) noexcept;
@@ -102,9 +105,9 @@ class Comm {
 
   struct Impl;
   [[nodiscard]] Impl& impl() const noexcept { return *impl_; }
+  explicit Comm(Impl* impl) noexcept;  ///< for comm/ only
 
  private:
-  explicit Comm(Impl* impl) noexcept : impl_(impl) {}
   Impl* impl_;
 };
 

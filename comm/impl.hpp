@@ -19,6 +19,11 @@ struct Comm::Impl {
 
 namespace detail {
 
+/// Collective over `from`. The same ranks with a communicator of their own.
+Comm duplicate(MPI_Comm from);
+/// From now on the communicator is nobody's: it is not freed, since messages may still be on their way in it.
+void abandon(Comm& comm) noexcept;
+
 /// MPI counts are ints: longer messages go in chunks of this many bytes.
 inline constexpr std::size_t kChunk = std::size_t{1} << 30;
 

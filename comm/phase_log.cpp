@@ -36,14 +36,30 @@ struct Spread {
 };
 Spread spread(const Comm& comm, double v) { return {comm.min(v), comm.sum(v) / comm.size(), comm.max(v)}; }
 
+/// What an observer says against going on; empty: nothing.
+template <class Ask>
+std::string objection(const std::string& phase, Ask&& ask) {
+  try {
+    return ask() ? "" : fmt::format("cancelled by the caller in phase '{}'", phase);
+  } catch (const std::exception& e) {
+    return fmt::format("the caller's progress function has failed in phase '{}': {}", phase, e.what());
+  } catch (...) {
+    return fmt::format("the caller's progress function has failed in phase '{}'", phase);
+  }
+}
+
 }  // namespace
 
 PhaseLog::PhaseLog(const Comm& comm, Output output) : comm_(&comm), output_(output), begin_(wall_time()) {}
+
+PhaseLog::PhaseLog(const Comm& comm, PhaseObserver observer)
+    : comm_(&comm), output_(Output::kQuiet), observer_(std::move(observer)), begin_(wall_time()) {}
 
 double PhaseLog::elapsed() const noexcept { return wall_time() - begin_; }
 
 void PhaseLog::start(const std::string& name) {
   name_ = name;
+  if (observer_.started) objection_ = objection(name, [&] { return observer_.started(name); });
   busy_ = -1;
   counts_.clear();
   bytes_ = comm_->bytes_sent();
@@ -62,7 +78,7 @@ void PhaseLog::count(const std::string& operation, std::int64_t n) { counts_[ope
 
 void PhaseLog::busy(double seconds) { busy_ = std::max(busy_, 0.0) + seconds; }
 
-void PhaseLog::finish(std::int64_t local_tets) {
+PhaseCost PhaseLog::cost_now(std::int64_t local_tets) const {
   const double seconds = wall_time() - start_;
   const double busy = busy_ < 0 ? seconds : busy_;
   // all of these before the log's own messages
@@ -85,6 +101,11 @@ void PhaseLog::finish(std::int64_t local_tets) {
   cost.bytes_sent = comm_->sum(bytes), cost.bytes_sent_max = comm_->max(bytes);
   cost.messages_sent = comm_->sum(messages), cost.messages_sent_max = comm_->max(messages);
   cost.collectives = comm_->max(collectives);
+  cost.operations = all_counts();
+  return cost;
+}
+
+std::map<std::string, std::int64_t> PhaseLog::all_counts() const {
   const std::vector<std::string> names = union_of_names(*comm_, counts_);
   std::vector<std::int64_t> numbers;
   for (const std::string& name : names) {
@@ -92,20 +113,39 @@ void PhaseLog::finish(std::int64_t local_tets) {
     numbers.push_back(at == counts_.end() ? 0 : at->second);
   }
   comm_->reduce(std::span<std::int64_t>(numbers), Op::kSum);
-  for (std::size_t i = 0; i < names.size(); ++i) cost.operations[names[i]] = numbers[i];
+  std::map<std::string, std::int64_t> out;
+  for (std::size_t i = 0; i < names.size(); ++i) out[names[i]] = numbers[i];
+  return out;
+}
 
-  if (output_ != Output::kQuiet && comm_->is_root()) {
-    fmt::print("{}[{:8.1f} s]  {:<19} {:>15} tets {:9.2f} s  balance {:3.0f} %{}\n",
-               output_ == Output::kTerminal ? "\r" : "", elapsed(), cost.name, grouped(cost.elements), cost.seconds_max,
-               cost.balance, output_ == Output::kTerminal ? "\033[K" : "");
-    std::fflush(stdout);
-  }
+void PhaseLog::print(const PhaseCost& cost) const {
+  if (output_ == Output::kQuiet || !comm_->is_root()) return;
+  fmt::print("{}[{:8.1f} s]  {:<19} {:>15} tets {:9.2f} s  balance {:3.0f} %{}\n",
+             output_ == Output::kTerminal ? "\r" : "", elapsed(), cost.name, grouped(cost.elements), cost.seconds_max,
+             cost.balance, output_ == Output::kTerminal ? "\033[K" : "");
+  std::fflush(stdout);
+}
+
+void PhaseLog::ask_observer(const PhaseCost& cost) {
+  if (!observer_.finished) return;
+  agree(*comm_, [&] {
+    const std::string now = objection(cost.name, [&] { return observer_.finished(cost); });
+    const std::string& first = objection_.empty() ? now : objection_;
+    if (!first.empty()) throw Error(ExitCode::kCancelled, first);
+  });
+}
+
+void PhaseLog::finish(std::int64_t local_tets) {
+  PhaseCost cost = cost_now(local_tets);
+  print(cost);
   phases_.push_back(std::move(cost));
   name_.clear();
   release_freed_memory();  // the next phase has other arrays
+  ask_observer(phases_.back());
 }
 
 void PhaseLog::note(const std::string& line) {
+  if (observer_.noted) observer_.noted(line);
   if (output_ == Output::kQuiet || !comm_->is_root()) return;
   // in the middle of a phase the "running" line gives way; its finished line comes later anyway
   fmt::print("{}{}\n", output_ == Output::kTerminal && !name_.empty() ? "\r\033[K" : "", line);

@@ -1,6 +1,7 @@
 // PhaseLog: progress lines, one per phase, and the cost of each phase for the report.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -26,10 +27,21 @@ struct PhaseCost {
   std::map<std::string, std::int64_t> operations;                ///< over all ranks, e.g. "insert": 1234
 };
 
+/// Somebody other than a reader of standard output who wants to know. All functions are called on every rank; none of
+/// them may be empty.
+struct PhaseObserver {
+  std::function<bool(const std::string& phase)> started;  ///< false: stop at the end of this phase
+  std::function<bool(const PhaseCost& cost)> finished;    ///< false: stop now
+  std::function<void(const std::string& line)> noted;
+};
+
 class PhaseLog {
  public:
   enum class Output { kTerminal, kPlain, kQuiet };
   PhaseLog(const Comm& comm, Output output);
+  /// Prints nothing, but tells the observer. When that wants to stop on any rank, finish() throws Error(kCancelled) on
+  /// all of them; when it throws an exception itself, that one's text.
+  PhaseLog(const Comm& comm, PhaseObserver observer);
 
   /// Starts a phase; the one before must be finished. Not collective.
   void start(const std::string& name);
@@ -41,15 +53,21 @@ class PhaseLog {
   /// Collective. Ends the phase and prints its line on rank 0: elapsed time since the log began, name, tetrahedra over
   /// all ranks, seconds, balance in %.
   void finish(std::int64_t local_tets);
-  /// A line of text on rank 0 (none when quiet). Not collective.
+  /// A line of text on rank 0 (none when quiet), or for the observer. Not collective.
   void note(const std::string& line);
 
   [[nodiscard]] const std::vector<PhaseCost>& phases() const noexcept { return phases_; }
   [[nodiscard]] double elapsed() const noexcept;
 
  private:
+  [[nodiscard]] PhaseCost cost_now(std::int64_t local_tets) const;
+  [[nodiscard]] std::map<std::string, std::int64_t> all_counts() const;
+  void print(const PhaseCost& cost) const;
+  void ask_observer(const PhaseCost& cost);
   const Comm* comm_;
   Output output_;
+  PhaseObserver observer_;
+  std::string objection_;  ///< of the observer, when the phase started
   double begin_ = 0, start_ = 0, busy_ = -1;
   double cpu_ = 0, comm_cpu_ = 0;  // these and the next when the phase started
   std::int64_t bytes_ = 0, messages_ = 0, collectives_ = 0;

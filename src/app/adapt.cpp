@@ -1,28 +1,21 @@
 // skein adapt: a mesh and a metric give the adapted mesh.
-#include "adapt/adapt.hpp"
-
-#include <fmt/core.h>
-
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include "api/adaptation.hpp"
 #include "app/field_transfer.hpp"
 #include "app/files.hpp"
 #include "app/metric_input.hpp"
 #include "app/run_report.hpp"
 #include "app/threads.hpp"
 #include "app/verbs.hpp"
-#include "base/text.hpp"
-#include "dist/distribute.hpp"
 #include "io/mesh_io.hpp"
 
 namespace skein::app {
 namespace {
-
-constexpr double kSizeGradation = 1.3;  ///< of --size, unless told otherwise
 
 struct Options {
   std::string input;
@@ -40,12 +33,13 @@ struct Options {
 void require_sense(const Comm& comm, const Options& o) {
   agree(comm, [&] {
     const auto fail = [](const char* line) { throw Error(ExitCode::kUsage, line); };
+    const MetricPolicy& m = o.metric.numbers;
     if (!o.metric.given()) fail("adapt: one of --metric, --size, --field is needed; see: skein adapt --help");
-    if (!o.metric.field.empty() && o.metric.numbers.complexity <= 0) {
+    if (!o.metric.field.empty() && m.complexity <= 0) {
       fail("adapt: --field needs --complexity, which tells how many elements there shall be (about a tenth of them)");
     }
-    if (o.metric.numbers.h_min > o.metric.numbers.h_max) fail("adapt: --hmin is greater than --hmax");
-    if (o.metric.numbers.gradation != 0 && o.metric.numbers.gradation <= 1) {
+    if (m.h_min > m.h_max) fail("adapt: --hmin is greater than --hmax");
+    if (m.gradation != 0 && m.gradation <= 1) {
       fail("adapt: --gradation must be greater than 1 (usual: 1.2 to 2), or 0 for none");
     }
   });
@@ -74,73 +68,47 @@ Json to_json(const Options& o) {
   return j;
 }
 
-void note_findings(PhaseLog& log, const DistributeReport& r) {
-  const auto note = [&](std::int64_t n, const char* what) {
-    if (n > 0) log.note(fmt::format("note: {} {}", grouped(n), what));
-  };
-  if (r.flipped) log.note("note: all tetrahedra were negatively oriented and have been turned");
-  note(r.untagged_hull_faces, "faces of the hull have no triangle in the file; they become a patch of their own");
-  note(r.untagged_region_faces, "faces between regions have no triangle in the file; they become a patch of their own");
-  note(r.unused_verts, "vertices of no tetrahedron are dropped");
-  note(r.lost_edges, "edges of the file are no edge of a tetrahedron and are dropped");
-}
-
-void note_gradation(PhaseLog& log, const GradationReport& r, std::int64_t vertices) {
-  if (r.lowered > 0) {
-    log.note(fmt::format("gradation: stricter at {} of {} vertices", grouped(r.lowered), grouped(vertices)));
-  }
-  if (!r.converged) log.note("note: the gradation has not converged; sizes may still grow faster in places");
-}
-
-/// Collective. Reading and distribution; the slices of the files are gone when it returns.
-DistMesh load(const Comm& comm, const Options& o, RunRecord& record, TravellingFields& fields) {
-  PhaseLog& log = record.log;
-  log.start("read");
-  const MeshSlice mesh = read_mesh(comm, o.input);
-  FieldSlice metric = read_metric(comm, mesh, o.metric);
-  metric = fields.read_behind(comm, mesh, std::move(metric));
-  record.elements_in = mesh.tets.total, record.vertices_in = mesh.total_verts;
-  log.finish(static_cast<std::int64_t>(mesh.tets.verts.size()));
+/// Collective. Reads mesh, metric and fields.
+AdaptationInput read_input(const Comm& comm, const Options& o, RunRecord& record, FieldsOut& fields) {
+  record.log.start("read");
+  AdaptationInput input;
+  input.mesh = read_mesh(comm, o.input);
+  input.values = read_metric(comm, input.mesh, o.metric);
+  const int metric_width = input.values.width;
+  fields = read_fields_behind(comm, input.mesh, o.fields, input.values);
+  input.carried = input.values.width - metric_width;
+  record.elements_in = input.mesh.tets.total, record.vertices_in = input.mesh.total_verts;
+  record.log.finish(static_cast<std::int64_t>(input.mesh.tets.verts.size()));
   record.lap("read");
+  return input;
+}
 
-  log.start("distribute");
-  DistributeReport found;
-  DistributeOptions options;
-  options.ridge_angle = o.ridge_angle;
-  options.metric_first = o.metric.field.empty();
-  DistMesh dist = distribute(comm, mesh, &metric, options, &found);
-  fields.take_from(dist, options.metric_first ? 0 : 1);
-  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
-  note_findings(log, found);
-
-  log.start("metric");
-  const GradationReport graded = make_metric(comm, dist, o.metric.policy());
-  fields.keep_mesh(comm, dist);
-  log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
-  note_gradation(log, graded, dist.global_verts);
-  record.lap("distribute");
-  return dist;
+AdaptationOptions to_adaptation(const Options& o) {
+  AdaptationOptions a;
+  a.distribute.ridge_angle = o.ridge_angle;
+  a.metric = o.metric.policy();
+  a.adapt = o.adapt;
+  a.adapt.threads = o.run.threads;
+  a.adapt.method.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
+  a.adapt.method.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
+  a.adapt.surface = !o.no_surface;
+  return a;
 }
 
 ExitCode run_adapt(const Comm& comm, Options& o) {
-  o.metric.numbers.gradation = o.gradation.value_or(o.metric.size.empty() ? 0 : kSizeGradation);
+  o.metric.numbers.gradation = o.gradation.value_or(usual_gradation(o.metric.policy().source));
   require_sense(comm, o);
   o.run.threads = settle_threads(comm, o.run.threads);
   RunRecord record(comm, o.run);
   record.input = o.input;
   o.adapt.threads = o.run.threads;
-  o.adapt.method.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
-  o.adapt.method.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
-  o.adapt.surface = !o.no_surface;
   record.options = to_json(o);
   note_threads(comm, o.run.threads, record.log);
-  TravellingFields fields(o.fields);
-  DistMesh dist = load(comm, o, record, fields);
-  adapt(comm, dist, o.adapt, record.log);
-  record.lap("adapt");
-  fields.arrive(dist, o.run.threads, record.log);
-  if (fields.any()) record.lap("transfer");
-  record.finish(comm, std::move(dist), fields.out());
+  FieldsOut fields;
+  AdaptationInput input = read_input(comm, o, record, fields);
+  DistMesh dist = run_adaptation(comm, std::move(input), to_adaptation(o), record.log,
+                                 [&](const std::string& step) { record.lap(step); });
+  record.finish(comm, std::move(dist), fields);
   return ExitCode::kOk;
 }
 

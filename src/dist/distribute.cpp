@@ -36,16 +36,17 @@ void refuse(const FileSource& src, std::vector<Offence> offences, const std::str
     x[3 * k + 2] = p.z;
   }
   src.comm.reduce(std::span<double>(x), Op::kSum);
+  const std::int64_t base = src.file.first_number;
   std::string list, where;
   for (const auto& o : offences) {
-    list += fmt::format("{}{}", list.empty() ? "" : ", ", o.number + 1);
-    if (o.other >= 0) list += fmt::format(" and {}", o.other + 1);
+    list += fmt::format("{}{}", list.empty() ? "" : ", ", o.number + base);
+    if (o.other >= 0) list += fmt::format(" and {}", o.other + base);
   }
   if (total > std::ssize(offences)) list += ", ...";
   for (std::size_t k = 0; k < 4; ++k) {
     const std::int64_t v = num(offences[0].verts[k]);
     if (v >= 0 && v < src.file.total_verts)
-      where += fmt::format(" {} ({:.7g}, {:.7g}, {:.7g})", v + 1, x[3 * k], x[3 * k + 1], x[3 * k + 2]);
+      where += fmt::format(" {} ({:.7g}, {:.7g}, {:.7g})", v + base, x[3 * k], x[3 * k + 1], x[3 * k + 2]);
   }
   if (!where.empty()) where = ", the first with vertices" + where;
   throw Error(ExitCode::kInvalidMesh,

@@ -47,7 +47,7 @@ void check_entities(const FileSource& src, const EntitySlice<N>& list, const std
     std::copy_n(v.begin(), N, o.verts.begin());
     (in ? repeated : outside).push_back(o);
   }
-  refuse(src, outside, name + " with a vertex number that is not in the file", "check how the file was written");
+  refuse(src, outside, name + " with a vertex number that is not in the mesh", "check how it was made");
   refuse(src, repeated, name + " with a repeated vertex", "remove them");
 }
 
@@ -56,7 +56,7 @@ void check_coordinates(const FileSource& src) {
   for (std::size_t i = 0; i < src.file.coords.size(); ++i) {
     if (!is_finite(src.file.coords[i])) bad.push_back({src.file.first_vert + static_cast<std::int64_t>(i), -1});
   }
-  refuse(src, bad, "vertices whose coordinates are not finite", "check how the file was written");
+  refuse(src, bad, "vertices whose coordinates are not finite", "check how the mesh was made");
 }
 
 /// A mark for one item of a list that another rank may own.

@@ -46,8 +46,9 @@ std::vector<std::uint8_t> chosen_sides(const Comm& comm, const DistMesh& dist, c
   return inquiry.answer(chosen);
 }
 
-/// The faces that this rank writes as triangles.
-std::vector<FaceId> triangle_faces(const Comm& comm, const DistMesh& dist) {
+}  // namespace
+
+std::vector<FaceId> faces_to_write(const Comm& comm, const DistMesh& dist) {
   const TetMesh& m = dist.mesh;
   std::vector<FaceId> out, between;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
@@ -71,9 +72,8 @@ std::vector<FaceId> triangle_faces(const Comm& comm, const DistMesh& dist) {
   return out;
 }
 
-/// The feature edges that this rank writes: one with an unshared end is on no other rank; of the others the lowest rank
-/// that has it.
-std::vector<FeatureEdge> own_edges(const Comm& comm, const DistMesh& dist) {
+// An edge with an unshared end is on no other rank; of the others the lowest rank that has it writes it.
+std::vector<FeatureEdge> edges_to_write(const Comm& comm, const DistMesh& dist) {
   struct Copy {
     GlobalId a, b;
     Rank rank;
@@ -115,8 +115,6 @@ std::vector<FeatureEdge> own_edges(const Comm& comm, const DistMesh& dist) {
   return out;
 }
 
-}  // namespace
-
 MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
   const TetMesh& m = dist.mesh;
   const auto number = compact_numbers(comm, dist);
@@ -138,7 +136,7 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
   for (const auto& v : m.tet2vert) s.tets.verts.push_back({gid(v[0]), gid(v[1]), gid(v[2]), gid(v[3])});
   place(comm, s.tets.verts.size(), s.tets.first, s.tets.total);
 
-  const auto faces = triangle_faces(comm, dist);
+  const auto faces = faces_to_write(comm, dist);
   place(comm, faces.size(), s.triangles.first, s.triangles.total);
   for (const FaceId f : faces) {
     const FaceTag tag = m.tag(f);
@@ -148,7 +146,7 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
     s.triangles.verts.push_back({gid(v[0]), gid(v[1]), gid(v[2])});
     s.triangles.ref.push_back(m.patch_ref[tag_patch(tag)]);
   }
-  const auto edges = own_edges(comm, dist);
+  const auto edges = edges_to_write(comm, dist);
   place(comm, edges.size(), s.edges.first, s.edges.total);
   for (const auto& e : edges) {
     if (e.ridge) s.ridges.verts.push_back(to_id<GlobalId>(s.edges.first + std::ssize(s.edges.verts)));

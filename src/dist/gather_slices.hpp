@@ -16,6 +16,10 @@ namespace skein {
 /// @pre dist is compact and reconciled.
 MeshSlice to_slices(const Comm& comm, const DistMesh& dist);
 
+/// Collective. The tagged faces and the feature edges that this rank writes; over all ranks each is there once.
+std::vector<FaceId> faces_to_write(const Comm& comm, const DistMesh& dist);
+std::vector<FeatureEdge> edges_to_write(const Comm& comm, const DistMesh& dist);
+
 /// Collective. The fields of the vertices, which are of these kinds, in the order of to_slices().
 FieldSlice to_field_slices(const Comm& comm, const DistMesh& dist, const std::vector<FieldKind>& kinds);
 /// Collective. The log-metric of the vertices, in the order of to_slices().

@@ -27,6 +27,7 @@ struct VertexListSlice {
 /// numbers in range and finite coordinates.
 struct MeshSlice {
   std::string path;
+  std::int64_t first_number = 1;  ///< of a vertex or an entity in messages: files count from 1
   std::int64_t total_verts = 0, first_vert = 0;
   std::vector<Vec3> coords;
   std::vector<std::int32_t> vert_ref;
@@ -46,6 +47,7 @@ constexpr int components(FieldKind k) noexcept { return k == FieldKind::kScalar 
 /// A rank's even slice of the values at the vertices of a solution file: several fields side by side.
 struct FieldSlice {
   std::string path;
+  std::int64_t first_number = 1;  ///< of a vertex in messages
   std::int64_t total = 0, first = 0;
   std::vector<FieldKind> kinds;
   int width = 0;                   ///< sum of components; symmetric tensors in Medit order m11 m12 m22 m13 m23 m33

@@ -25,9 +25,9 @@ void put(const SymTensor& l, double* out) noexcept {
 /// The logarithm of the metric with this edge length in all directions.
 SymTensor log_of_size(double h) noexcept { return isotropic(-2 * std::log(h)); }
 
-/// In the file, from 1.
+/// For messages.
 std::int64_t vertex_number(const FieldSlice& f, std::size_t i) noexcept {
-  return f.first + static_cast<std::int64_t>(i) + 1;
+  return f.first + static_cast<std::int64_t>(i) + f.first_number;
 }
 
 SymTensor checked_log(const SymTensor& m, const FieldSlice& f, std::size_t i) {
@@ -54,7 +54,7 @@ FieldSlice log_of_tensors(FieldSlice f) {
 
 FieldSlice log_of_sizes(const FieldSlice& sizes) {
   FieldSlice f;
-  f.path = sizes.path, f.total = sizes.total, f.first = sizes.first;
+  f.path = sizes.path, f.first_number = sizes.first_number, f.total = sizes.total, f.first = sizes.first;
   f.kinds = {FieldKind::kTensor}, f.width = 6;
   f.values.resize(6 * sizes.values.size());
   for (std::size_t i = 0; i < sizes.values.size(); ++i) {

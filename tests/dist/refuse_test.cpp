@@ -40,10 +40,10 @@ TEST(Refuse, RepeatedVertex) {
 TEST(Refuse, VertexOutOfRange) {
   WholeMesh w = cube(3);
   w.tets[30][1] = 64;
-  expect_parts(refusal(w), {"not in the file", "31 ("});
+  expect_parts(refusal(w), {"not in the mesh", "31 ("});
   w = cube(3);
   w.tris[0][0] = -1;
-  expect_parts(refusal(w), {"triangles", "not in the file", ": 1 ("});
+  expect_parts(refusal(w), {"triangles", "not in the mesh", ": 1 ("});
 }
 
 TEST(Refuse, CoordinatesNotFinite) {

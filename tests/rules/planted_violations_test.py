@@ -12,6 +12,8 @@ CLEAN = {
     "src/base/ids.hpp": "#pragma once\n// MPI_Init is only spoken of here.\n",
     "src/metric/tensor.hpp": '#pragma once\n#include "base/ids.hpp"\nconst char* s = "MPI_Init";\n',
     "src/app/main.cpp": '#include "adapt/adapt.hpp"\n#include "generate/generate.hpp"\n',
+    "include/skein/skein.hpp": '#pragma once\n#include <mpi.h>\n#include "skein/error.hpp"\nint adapt(MPI_Comm comm);\n',
+    "src/api/adapt.cpp": '#include "skein/skein.hpp"\nint adapt(MPI_Comm comm) { return from(&comm); }\n',
     "src/mesh/mesh_slice.hpp": '#pragma once\n#include "base/ids.hpp"\n',
     "src/dist/dist_mesh.hpp": '#pragma once\n#include "comm/comm.hpp"\n#include "mesh/mesh_slice.hpp"\n',
 }
@@ -30,6 +32,8 @@ PLANTED = {
     "include by src/": ("src/metric/a.cpp", '#include "src/io/mesh_io.hpp"\n', "metric must not include io"),
     "climbing include": ("src/metric/a.cpp", '#include "../base/ids.hpp"\n', "write the path from the root"),
     "no pragma once": ("src/metric/a.hpp", "int a;\n", "needs #pragma once"),
+    "public header includes a room": ("include/skein/a.hpp", '#pragma once\n#include "base/ids.hpp"\n', "skein must not include base"),
+    "MPI call in src/api": ("src/api/a.cpp", "void f(MPI_Comm c) { MPI_Barrier(c); }\n", "MPI_Barrier is used"),
     "foreign path": ("docs/a.md", "see /ho" + "me/me/notes\n", "names a path of one machine"),
 }
 

@@ -1,0 +1,42 @@
+// The whole way from slices to the adapted mesh: what the program and the library have in common.
+#pragma once
+#include <functional>
+#include <string>
+
+#include "adapt/adapt.hpp"
+#include "comm/comm.hpp"
+#include "comm/phase_log.hpp"
+#include "dist/dist_mesh.hpp"
+#include "dist/distribute.hpp"
+#include "mesh/mesh_slice.hpp"
+#include "solution/metric_policy.hpp"
+
+namespace skein {
+
+/// What is adapted, in slices.
+struct AdaptationInput {
+  MeshSlice mesh;
+  FieldSlice values;  ///< at its vertices: what metric_values() gave, then the numbers to be carried to the new mesh
+  int carried = 0;    ///< how many of the numbers at a vertex are carried
+};
+
+struct AdaptationOptions {
+  DistributeOptions distribute;
+  MetricPolicy metric;
+  AdaptOptions adapt;
+};
+
+/// Growth of sizes per edge when the user has not chosen one: none, but for sizes, which are often given roughly.
+double usual_gradation(MetricSource source) noexcept;
+
+/// The numbers of `a`, then those of `b`, vertex by vertex. @pre the same slice of vertices
+FieldSlice side_by_side(FieldSlice a, const FieldSlice& b);
+
+/// Collective. Distributes, makes the metric, adapts and carries the fields over; each is a phase of the log, and what
+/// was found on the way a note. The input is freed as early as can be. The result has the logarithm of the metric in
+/// its column log_metric, and the carried numbers in `fields`. `step_done` is told the name of each part of the way
+/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried).
+DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
+                        const std::function<void(const std::string&)>& step_done = {});
+
+}  // namespace skein
