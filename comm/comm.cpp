@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <exception>
 #include <string_view>
+#include <utility>
 
 #include "comm/impl.hpp"
 
@@ -20,11 +21,6 @@ bool mpi_running() noexcept {
   MPI_Initialized(&started);
   MPI_Finalized(&finished);
   return started != 0 && finished == 0;
-}
-
-void destroy(Comm::Impl* impl) noexcept {
-  if (impl != nullptr && impl->mpi != MPI_COMM_NULL && mpi_running()) MPI_Comm_free(&impl->mpi);
-  delete impl;
 }
 
 /// The value of a variable that the launcher sets, or nothing.
@@ -54,11 +50,11 @@ void skip_networks() noexcept {
 namespace detail {
 
 Comm duplicate(MPI_Comm from) {
-  auto* impl = new Comm::Impl;
+  std::unique_ptr<Comm::Impl, Comm::Freed> impl(std::make_unique<Comm::Impl>().release());
   MPI_Comm_dup(from, &impl->mpi);
   MPI_Comm_rank(impl->mpi, &impl->rank);
   MPI_Comm_size(impl->mpi, &impl->size);
-  return Comm(impl);
+  return Comm(std::move(impl));
 }
 
 void abandon(Comm& comm) noexcept { comm.impl().mpi = MPI_COMM_NULL; }
@@ -83,16 +79,17 @@ void abort_all(ExitCode code) noexcept {
   std::_Exit(static_cast<int>(code));
 }
 
-Comm::Comm(Impl* impl) noexcept : impl_(impl) {}
+void Comm::Freed::operator()(Impl* impl) const noexcept {
+  const std::unique_ptr<Impl> owned(impl);
+  if (impl->mpi != MPI_COMM_NULL && mpi_running()) MPI_Comm_free(&impl->mpi);
+}
+Comm::Comm(std::unique_ptr<Impl, Freed> impl) noexcept : impl_(std::move(impl)) {}
 Comm Comm::world() { return detail::duplicate(MPI_COMM_WORLD); }
 Comm Comm::self() { return detail::duplicate(MPI_COMM_SELF); }
 Comm Comm::from(MpiHandle handle) { return detail::duplicate(*static_cast<const MPI_Comm*>(handle.mpi_comm)); }
-Comm::~Comm() { destroy(impl_); }
-Comm::Comm(Comm&& other) noexcept : impl_(other.impl_) { other.impl_ = nullptr; }
-Comm& Comm::operator=(Comm&& other) noexcept {
-  std::swap(impl_, other.impl_);
-  return *this;
-}
+Comm::~Comm() = default;
+Comm::Comm(Comm&&) noexcept = default;
+Comm& Comm::operator=(Comm&&) noexcept = default;
 
 Rank Comm::rank() const noexcept { return Rank{impl_->rank}; }
 int Comm::size() const noexcept { return impl_->size; }

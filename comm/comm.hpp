@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -105,10 +106,13 @@ class Comm {
 
   struct Impl;
   [[nodiscard]] Impl& impl() const noexcept { return *impl_; }
-  explicit Comm(Impl* impl) noexcept;  ///< for comm/ only
+  struct Freed {
+    void operator()(Impl* impl) const noexcept;
+  };
+  explicit Comm(std::unique_ptr<Impl, Freed> impl) noexcept;  ///< for comm/ only
 
  private:
-  Impl* impl_;
+  std::unique_ptr<Impl, Freed> impl_;
 };
 
 /// Collective. Runs `work` on every rank; when it throws on any, every rank throws the same Error: that of the lowest

@@ -91,17 +91,17 @@ struct InputFile::Impl {
   std::unique_ptr<RawFile> file;
 };
 
-InputFile::InputFile(const Comm& comm, const std::string& path) : impl_(nullptr) {
+InputFile::InputFile(const Comm& comm, const std::string& path) {
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   agree(comm, [&] {
     impl->size = regular_size(path, ExitCode::kInput);
     impl->file = detail::open_raw(path, path, RawFile::Mode::kRead);
   });
-  impl_ = impl.release();
+  impl_ = std::move(impl);
 }
 
-InputFile::~InputFile() { delete impl_; }
+InputFile::~InputFile() = default;
 
 std::int64_t InputFile::size() const noexcept { return impl_->size; }
 
@@ -131,7 +131,7 @@ struct OutputFile::Impl {
   bool committed = false;
 };
 
-OutputFile::OutputFile(const Comm& comm, const std::string& path) : impl_(nullptr) {
+OutputFile::OutputFile(const Comm& comm, const std::string& path) {
   auto impl = std::make_unique<Impl>(comm, path);
   agree(comm, [&] {
     if (!comm.is_root()) return;
@@ -140,10 +140,10 @@ OutputFile::OutputFile(const Comm& comm, const std::string& path) : impl_(nullpt
   });
   impl->temporary = comm.broadcast(impl->temporary);
   agree(comm, [&] { impl->file = detail::open_raw(impl->temporary, path, RawFile::Mode::kWrite); });
-  impl_ = impl.release();
+  impl_ = std::move(impl);
 }
 
-OutputFile::~OutputFile() { delete impl_; }
+OutputFile::~OutputFile() = default;
 
 void OutputFile::write(std::int64_t at, std::span<const std::byte> data) {
   if (impl_->file == nullptr) fail(ExitCode::kInternal, impl_->path, "written after commit");

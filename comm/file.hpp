@@ -1,6 +1,7 @@
 // Files read and written by all ranks at once, each its own slices.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -32,7 +33,7 @@ class InputFile {
 
  private:
   struct Impl;
-  Impl* impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// A file written by all ranks under a temporary name beside `path`; commit() gives it its name. Without commit the
@@ -52,7 +53,7 @@ class OutputFile {
 
  private:
   struct Impl;
-  Impl* impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace skein

@@ -102,7 +102,7 @@ class Cut {
         const FeatureEdge& e = m_.features.list()[place];
         const auto a = to_id<VertId>(verts_.place(e.a)), b = to_id<VertId>(verts_.place(e.b));
         if (band_.mesh.features.find(a, b) != nullptr) return;
-        band_.mesh.features.insert(a, b, e.ref, e.ridge);
+        band_.mesh.features.insert({a, b, e.ref, e.ridge});
         band_.features.push_back(e);
       });
     }
@@ -130,7 +130,7 @@ class Return {
     for (const FeatureEdge& e : band_.features) m_.features.erase(e.a, e.b);
     place_vertices(old2new);
     place_tets();
-    for (const FeatureEdge& e : b_.features.list()) m_.features.insert(vert_[e.a], vert_[e.b], e.ref, e.ridge);
+    for (const FeatureEdge& e : b_.features.list()) m_.features.insert({vert_[e.a], vert_[e.b], e.ref, e.ridge});
     fill_free_tets(m_, free_tets_);
     return fill_free_verts(all_, free_verts_, threads_);
   }

@@ -105,7 +105,7 @@ void cut_features(const TetMesh& m, TetId t, const IdVector<VertId, VertId>& to_
     const VertId a = tv[e[0]], b = tv[e[1]];
     if (!m.has(a, kRidge) || !m.has(b, kRidge)) continue;
     const FeatureEdge* f = m.features.find(a, b);
-    if (f != nullptr) features.insert(to_block[a], to_block[b], f->ref, f->ridge);
+    if (f != nullptr) features.insert({to_block[a], to_block[b], f->ref, f->ridge});
   }
 }
 

@@ -209,7 +209,7 @@ class Joiner {
       }
       if (b == 0) continue;
       for (const FeatureEdge& e : block.part.mesh.features.list()) {
-        blocks_[0].part.mesh.features.insert(number(b, e.a), number(b, e.b), e.ref, e.ridge);
+        blocks_[0].part.mesh.features.insert({number(b, e.a), number(b, e.b), e.ref, e.ridge});
       }
     }
   }

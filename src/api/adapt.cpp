@@ -231,7 +231,7 @@ void run(const Comm& comm, const Options& options, const AdaptationOptions& inte
   DistMesh dist = run_adaptation(comm, std::move(input), internal, log);
 
   log.start("statistics");
-  const MeshStatistics s = statistics(comm, dist, true, options.threads);
+  const MeshStatistics s = statistics(comm, dist, Measure::kInMetric, options.threads);
   const auto tets = static_cast<std::int64_t>(dist.mesh.tet_slots());
   log.finish(tets);
   log.start("write");

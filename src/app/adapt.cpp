@@ -1,10 +1,15 @@
 // skein adapt: a mesh and a metric give the adapted mesh.
+#include <fmt/core.h>
+
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "adapt/method_file.hpp"
 #include "api/adaptation.hpp"
 #include "app/field_transfer.hpp"
 #include "app/files.hpp"
@@ -24,7 +29,8 @@ struct Options {
   FieldOptions fields;
   std::optional<double> gradation;
   AdaptOptions adapt;
-  std::string points = "edges", smoothing = "quality";
+  std::string preset = "default", config, points, smoothing;  ///< the last two empty: as the method has it
+  bool dump_config = false;
   double ridge_angle = DistributeOptions{}.ridge_angle;
   bool no_surface = false;
 };
@@ -62,8 +68,11 @@ Json to_json(const Options& o) {
   if (o.metric.numbers.gradation > 0) j["gradation"] = o.metric.numbers.gradation;
   if (!o.fields.in.empty()) j["field_in"] = o.fields.in;
   if (!o.fields.out.empty()) j["field_out"] = o.fields.out;
-  j["rounds"] = o.adapt.rounds, j["threads"] = o.adapt.threads, j["points"] = o.points;
-  j["smoothing"] = o.smoothing;
+  j["rounds"] = o.adapt.rounds, j["threads"] = o.adapt.threads;
+  j["method"] = o.preset;
+  if (!o.config.empty()) j["config"] = o.config;
+  j["points"] = o.adapt.method.points == PointCreation::kCentroids ? "centroid" : "edges";
+  j["smoothing"] = o.adapt.method.smoothing == Smoothing::kSprings ? "springs" : "quality";
   j["ridge_angle"] = o.ridge_angle, j["surface"] = !o.no_surface;
   return j;
 }
@@ -89,13 +98,24 @@ AdaptationOptions to_adaptation(const Options& o) {
   a.metric = o.metric.policy();
   a.adapt = o.adapt;
   a.adapt.threads = o.run.threads;
-  a.adapt.method.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
-  a.adapt.method.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
   a.adapt.surface = !o.no_surface;
   return a;
 }
 
+/// Collective. The preset, or the file's method, with what the command line changes in it.
+Method choose_method(const Comm& comm, const Options& o) {
+  Method m = o.config.empty() ? find_preset(o.preset).method : read_method(comm, o.config);
+  if (!o.points.empty()) m.points = o.points == "centroid" ? PointCreation::kCentroids : PointCreation::kEdges;
+  if (!o.smoothing.empty()) m.smoothing = o.smoothing == "springs" ? Smoothing::kSprings : Smoothing::kQuality;
+  return m;
+}
+
 ExitCode run_adapt(const Comm& comm, Options& o) {
+  o.adapt.method = choose_method(comm, o);
+  if (o.dump_config) {
+    if (comm.is_root()) fmt::print("{}", method_to_toml(o.adapt.method, o.preset));
+    return ExitCode::kOk;
+  }
   o.metric.numbers.gradation = o.gradation.value_or(usual_gradation(o.metric.policy().source));
   require_sense(comm, o);
   o.run.threads = settle_threads(comm, o.run.threads);
@@ -112,13 +132,25 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   return ExitCode::kOk;
 }
 
+/// Options that choose the method and its numbers.
+void add_method_options(CLI::App& verb, Options& o) {
+  std::vector<std::string> names;
+  for (const Preset& p : presets()) names.emplace_back(p.name);
+  auto* preset = verb.add_option("--method-preset", o.preset, "method with its numbers")->check(CLI::IsMember(names));
+  verb.add_option("--config", o.config, "numbers of the method (TOML, as --dump-config prints them)")->excludes(preset);
+  verb.add_flag("--dump-config", o.dump_config, "print the method with all its numbers, and end");
+  verb.add_option("--points", o.points, "how points are created")->check(CLI::IsMember({"edges", "centroid"}));
+  verb.add_option("--smoothing", o.smoothing, "how vertices are moved")->check(CLI::IsMember({"quality", "springs"}));
+}
+
 }  // namespace
 
 void add_adapt(CLI::App& cli, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* verb = cli.add_subcommand("adapt", "Adapt a mesh to a metric, to sizes, or to a solution");
-  verb->add_option("IN", o->input, "mesh (.mesh, .meshb)")->required();
+  auto* in = verb->add_option("IN", o->input, "mesh (.mesh, .meshb)");
   add_run_options(*verb, o->run);
+  verb->get_option("--output")->required(false);  // neither is needed with --dump-config
   add_metric_options(*verb, o->metric);
   verb->add_option("--field", o->metric.field, "solution, a scalar per vertex: adapt to its second derivatives")
       ->excludes("--metric")
@@ -131,13 +163,17 @@ void add_adapt(CLI::App& cli, Run& run) {
                    "sizes grow at most by this factor per edge (> 1; 0: no bound); 1.3 with --size, else 0");
   add_field_options(*verb, o->fields);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
-  verb->add_option("--points", o->points, "how points are created")->check(CLI::IsMember({"edges", "centroid"}));
-  verb->add_option("--smoothing", o->smoothing, "how vertices are moved")->check(CLI::IsMember({"quality", "springs"}));
+  add_method_options(*verb, *o);
   verb->add_option("--ridge-angle", o->ridge_angle, "surface edges folded more than this are kept, degrees")
       ->check(CLI::Range(0.0, 180.0));
   verb->add_flag("--no-surface", o->no_surface, "keep the boundary triangles as they are");
   verb->footer("Example: mpirun -n 4 skein adapt wing.meshb --metric wing.solb --complexity 50000 -o fine.meshb");
-  verb->callback([o, &run] { run = [o](const Comm& comm) { return run_adapt(comm, *o); }; });
+  verb->callback([o, in, verb, &run] {
+    for (const CLI::Option* needed : {in, verb->get_option("--output")}) {
+      if (!o->dump_config && needed->empty()) throw CLI::RequiredError(needed->get_name());
+    }
+    run = [o](const Comm& comm) { return run_adapt(comm, *o); };
+  });
 }
 
 }  // namespace skein::app

@@ -47,8 +47,8 @@ void require_outputs(const Comm& comm, const RunOptions& o) {
   require_output(comm, o.report, {});
 }
 
-PhaseLog::Output progress_output(bool quiet) {
-  if (quiet) return PhaseLog::Output::kQuiet;
+PhaseLog::Output progress_output(const RunOptions& options) {
+  if (options.quiet) return PhaseLog::Output::kQuiet;
   for (const char* name : kLaunchers) {
     if (std::getenv(name) != nullptr) return PhaseLog::Output::kPlain;
   }
@@ -56,7 +56,7 @@ PhaseLog::Output progress_output(bool quiet) {
 }
 
 RunRecord::RunRecord(const Comm& comm, const RunOptions& options)
-    : log(comm, progress_output(options.quiet)), run_(options), begin_(wall_time()), lap_(begin_) {}
+    : log(comm, progress_output(options)), run_(options), begin_(wall_time()), lap_(begin_) {}
 
 void RunRecord::lap(const std::string& name) {
   const double now = wall_time();
@@ -66,7 +66,7 @@ void RunRecord::lap(const std::string& name) {
 
 void RunRecord::finish(const Comm& comm, DistMesh dist, const FieldsOut& fields) {
   log.start("statistics");
-  const MeshStatistics s = statistics(comm, dist, true, run_.threads);
+  const MeshStatistics s = statistics(comm, dist, Measure::kInMetric, run_.threads);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   lap("statistics");
 

@@ -25,7 +25,7 @@ void require_outputs(const Comm& comm, const RunOptions& o);
 
 /// How progress is to be shown on standard output: lines that overwrite themselves on a terminal (but not under mpirun,
 /// which collects the output of the ranks), plain lines elsewhere.
-PhaseLog::Output progress_output(bool quiet);
+PhaseLog::Output progress_output(const RunOptions& options);
 
 /// Fields on the new mesh: its column `fields`.
 struct FieldsOut {

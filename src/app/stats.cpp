@@ -30,7 +30,7 @@ ExitCode stats(const Comm& comm, const Options& o) {
   options.metric_first = o.metric.field.empty();
   DistMesh dist = distribute(comm, mesh, o.metric.given() ? &metric : nullptr, options);
   if (o.metric.given()) make_metric(comm, dist, o.metric.policy());
-  const MeshStatistics s = statistics(comm, dist, o.metric.given());
+  const MeshStatistics s = statistics(comm, dist, o.metric.given() ? Measure::kInMetric : Measure::kInSpace);
   if (comm.is_root()) fmt::print("{}", o.json ? to_json(s).dump() + "\n" : to_text(s));
   return ExitCode::kOk;
 }

@@ -225,7 +225,7 @@ void keep_local_features(Growing& g, const std::vector<Feature>& features) {
   TetMesh& m = g.dist.mesh;
   for (const auto& f : features) {
     const VertId a = g.gid2vert.find(f.a), b = g.gid2vert.find(f.b);
-    if (a != kNoVert && b != kNoVert) m.features.insert(std::min(a, b), std::max(a, b), f.ref, f.ridge != 0);
+    if (a != kNoVert && b != kNoVert) m.features.insert({std::min(a, b), std::max(a, b), f.ref, f.ridge != 0});
   }
   std::vector<char> used(m.features.size(), 0);
   for_each_feature(m, [&](TetId, std::uint32_t edge) { used[edge] = 1; });

@@ -44,11 +44,14 @@ struct GmfLayout {
   static constexpr bool kSwap = S;
 };
 
+/// Of a file, as this machine sees it.
+enum class ByteOrder { kNative, kSwapped };
+
 /// Calls f with the GmfLayout of the version and byte order. @pre 1 <= version <= 4.
 template <class F>
-void with_gmf_layout(int version, bool swap, F&& f) {
+void with_gmf_layout(int version, ByteOrder order, F&& f) {
   const auto by_order = [&]<class I, class R>(I, R) {
-    swap ? f(GmfLayout<I, R, true>{}) : f(GmfLayout<I, R, false>{});
+    order == ByteOrder::kSwapped ? f(GmfLayout<I, R, true>{}) : f(GmfLayout<I, R, false>{});
   };
   if (version == 1) return by_order(std::int32_t{}, float{});
   if (version <= 3) return by_order(std::int32_t{}, double{});

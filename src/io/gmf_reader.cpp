@@ -270,14 +270,15 @@ MeshSlice read_gmf_mesh(const Comm& comm, const std::string& path) {
     if (s != nullptr) agree(comm, [&] { require_room(f, *s, spec.width * gmf_int_bytes(f.header.version)); });
     set_total(comm, s, slice.total, slice.first);
   });
-  with_gmf_layout(f.header.version, f.header.swap != 0, [&]<class Layout>(Layout) {
-    // section by section, so that the first bad entity is the same at any number of ranks
-    agree(comm, [&] { read_vertices<Layout>(comm, f, *vertices, mesh); });
-    for_each_section(mesh, [&](const RecordSpec& spec, auto& slice) {
-      const Section* s = f.find(spec.key);
-      if (s != nullptr) agree(comm, [&] { read_records<Layout>(comm, f, *s, spec, slice); });
-    });
-  });
+  with_gmf_layout(f.header.version, f.header.swap != 0 ? ByteOrder::kSwapped : ByteOrder::kNative,
+                  [&]<class Layout>(Layout) {
+                    // section by section, so that the first bad entity is the same at any number of ranks
+                    agree(comm, [&] { read_vertices<Layout>(comm, f, *vertices, mesh); });
+                    for_each_section(mesh, [&](const RecordSpec& spec, auto& slice) {
+                      const Section* s = f.find(spec.key);
+                      if (s != nullptr) agree(comm, [&] { read_records<Layout>(comm, f, *s, spec, slice); });
+                    });
+                  });
   return mesh;
 }
 
@@ -294,7 +295,7 @@ FieldSlice read_gmf_fields(const Comm& comm, const std::string& path) {
     require_room(f, *s, fields.width * gmf_real_bytes(f.header.version));
   });
   set_total(comm, &*s, fields.total, fields.first);
-  with_gmf_layout(f.header.version, f.header.swap != 0,
+  with_gmf_layout(f.header.version, f.header.swap != 0 ? ByteOrder::kSwapped : ByteOrder::kNative,
                   [&]<class Layout>(Layout) { agree(comm, [&] { read_values<Layout>(comm, f, *s, fields); }); });
   return fields;
 }

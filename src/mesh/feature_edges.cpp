@@ -35,16 +35,16 @@ void FeatureEdges::rehash(std::size_t capacity) {
   for (std::size_t i = 0; i < list_.size(); ++i) table_[slot(list_[i].a, list_[i].b)] = static_cast<std::int32_t>(i);
 }
 
-void FeatureEdges::insert(VertId a, VertId b, std::int32_t ref, bool ridge) {
-  if (b < a) std::swap(a, b);
+void FeatureEdges::insert(FeatureEdge edge) {
+  if (edge.b < edge.a) std::swap(edge.a, edge.b);
   if (2 * (list_.size() + 1) > table_.size()) rehash(std::max<std::size_t>(16, 2 * table_.size()));
-  const std::size_t s = slot(a, b);
+  const std::size_t s = slot(edge.a, edge.b);
   if (table_[s] >= 0) {
-    list_[table_[s]] = {a, b, ref, ridge};
+    list_[table_[s]] = edge;
     return;
   }
   table_[s] = static_cast<std::int32_t>(list_.size());
-  list_.push_back({a, b, ref, ridge});
+  list_.push_back(edge);
 }
 
 void FeatureEdges::erase(VertId a, VertId b) noexcept {
@@ -75,8 +75,8 @@ void FeatureEdges::erase(VertId a, VertId b) noexcept {
 void FeatureEdges::split(VertId a, VertId b, VertId p) {
   const FeatureEdge e = *find(a, b);
   erase(a, b);
-  insert(a, p, e.ref, e.ridge);
-  insert(p, b, e.ref, e.ridge);
+  insert({a, p, e.ref, e.ridge});
+  insert({p, b, e.ref, e.ridge});
 }
 
 void FeatureEdges::clear() noexcept {

@@ -19,8 +19,8 @@ struct FeatureEdge {
 class FeatureEdges {
  public:
   [[nodiscard]] const FeatureEdge* find(VertId a, VertId b) const noexcept;
-  void insert(VertId a, VertId b, std::int32_t ref, bool ridge);  ///< replaces an edge that is there
-  void erase(VertId a, VertId b) noexcept;                        ///< does nothing if it is not there
+  void insert(FeatureEdge edge);            ///< replaces an edge that is there; its ends may come in any order
+  void erase(VertId a, VertId b) noexcept;  ///< does nothing if it is not there
   /// The edge (a, b) becomes (a, p) and (p, b). @pre it is there
   void split(VertId a, VertId b, VertId p);
   [[nodiscard]] const std::vector<FeatureEdge>& list() const noexcept { return list_; }

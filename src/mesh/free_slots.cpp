@@ -116,7 +116,7 @@ void follow(TetMesh& m, const MovedVerts& now, int threads) {
   for (const FeatureEdge& e : edges) {
     if (!now.moves(e.a) && !now.moves(e.b)) continue;
     m.features.erase(e.a, e.b);
-    m.features.insert(now(e.a), now(e.b), e.ref, e.ridge);
+    m.features.insert({now(e.a), now(e.b), e.ref, e.ridge});
   }
 }
 

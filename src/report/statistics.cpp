@@ -301,7 +301,8 @@ const std::array<double, 13>& length_bounds() noexcept {
   return bounds;
 }
 
-MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metric, int threads) {
+MeshStatistics statistics(const Comm& comm, const DistMesh& dist, Measure measure, int threads) {
+  const bool with_metric = measure == Measure::kInMetric;
   MeshStatistics s;
   s.with_metric = with_metric;
   IdVector<VertId, VertMetric> metric;

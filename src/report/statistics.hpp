@@ -42,9 +42,15 @@ struct MeshStatistics {
   QualityStatistics quality;
 };
 
+/// How lengths and qualities are measured.
+enum class Measure {
+  kInSpace,  ///< angles and volumes only
+  kInMetric  ///< in the metric of the mesh, too. @pre it has a log_metric
+};
+
 /// Collective. The same on every rank. With a metric: its logarithm is the column log_metric.
 /// Counts, extremes and percentiles do not depend on the number of ranks; sums do by rounding.
-MeshStatistics statistics(const Comm& comm, const DistMesh& dist, bool with_metric, int threads = 1);
+MeshStatistics statistics(const Comm& comm, const DistMesh& dist, Measure measure, int threads = 1);
 
 /// A few lines for people, with small histograms.
 std::string to_text(const MeshStatistics& s);

@@ -103,7 +103,7 @@ IdVector<VertId, VertId> make_gaps(Part& p, std::size_t n) {
     for (VertId& v : tv) v = old2new[v];
   }
   FeatureEdges features;
-  for (const auto& e : m.features.list()) features.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
+  for (const auto& e : m.features.list()) features.insert({old2new[e.a], old2new[e.b], e.ref, e.ridge});
   m.features = std::move(features);
   for (std::size_t i = 0; i < nt; ++i) {
     const auto t = to_id<TetId>(2 * i);

@@ -39,7 +39,7 @@ struct Generated {
 Generated run(const Comm& comm, const MeshSlice& surface, const GenerateOptions& options) {
   PhaseLog log(comm, PhaseLog::Output::kQuiet);
   Generated g{generate(comm, surface, options, log), {}};
-  g.stats = statistics(comm, g.dist, true);
+  g.stats = statistics(comm, g.dist, Measure::kInMetric);
   return g;
 }
 

@@ -116,7 +116,7 @@ std::string judge(const Part& part) {
     if (!m.is_live(t)) continue;
     for (const auto& e : kEdgeVerts) {
       const VertId a = m.tet2vert[t][e[0]], b = m.tet2vert[t][e[1]];
-      if (const FeatureEdge* f = m.features.find(a, b)) used.insert(a, b, f->ref, f->ridge);
+      if (const FeatureEdge* f = m.features.find(a, b)) used.insert({a, b, f->ref, f->ridge});
     }
   }
   if (used.size() != m.features.size()) return "a feature edge is no edge of any tetrahedron";

@@ -39,7 +39,7 @@ RC_GTEST_PROP(FeatureEdges, ActsAsAMap, (std::uint32_t seed)) {
     if (random() % 5 < 3) {
       const int ref = static_cast<int>(random() % 7);
       const bool ridge = random() % 2 == 0;
-      edges.insert(a, b, ref, ridge);
+      edges.insert({a, b, ref, ridge});
       model[key] = {ref, ridge};
     } else {
       edges.erase(a, b);
@@ -55,11 +55,11 @@ TEST(FeatureEdges, AskingAndErasingInTheEmptySet) {
   FeatureEdges edges;
   EXPECT_EQ(edges.find(VertId{1}, VertId{2}), nullptr);
   edges.erase(VertId{1}, VertId{2});
-  edges.insert(VertId{3}, VertId{1}, 5, true);
+  edges.insert({VertId{3}, VertId{1}, 5, true});
   edges.clear();
   EXPECT_EQ(edges.size(), 0u);
   EXPECT_EQ(edges.find(VertId{1}, VertId{3}), nullptr);
-  edges.insert(VertId{3}, VertId{1}, 6, false);
+  edges.insert({VertId{3}, VertId{1}, 6, false});
   ASSERT_NE(edges.find(VertId{1}, VertId{3}), nullptr);
   EXPECT_EQ(edges.find(VertId{1}, VertId{3})->ref, 6);
 }

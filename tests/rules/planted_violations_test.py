@@ -31,6 +31,7 @@ PLANTED = {
     "adapt includes generate": ("src/adapt/a.cpp", '#include "generate/generate.hpp"\n', "adapt must not include generate"),
     "include by src/": ("src/metric/a.cpp", '#include "src/io/mesh_io.hpp"\n', "metric must not include io"),
     "climbing include": ("src/metric/a.cpp", '#include "../base/ids.hpp"\n', "write the path from the root"),
+    "long file": ("src/metric/a.cpp", "int a;\n" * 401, "401 lines without comments"),
     "no pragma once": ("src/metric/a.hpp", "int a;\n", "needs #pragma once"),
     "public header includes a room": ("include/skein/a.hpp", '#pragma once\n#include "base/ids.hpp"\n', "skein must not include base"),
     "MPI call in src/api": ("src/api/a.cpp", "void f(MPI_Comm c) { MPI_Barrier(c); }\n", "MPI_Barrier is used"),

@@ -116,7 +116,7 @@ void find_features(TetMesh& m) {
     if (!faces.feature) continue;
     const Vec3 d = m.coords[e[1]] - m.coords[e[0]];
     const bool x = std::abs(d.x) > std::max(std::abs(d.y), std::abs(d.z)), y = std::abs(d.y) > std::abs(d.z);
-    m.features.insert(e[0], e[1], x ? 1 : y ? 2 : 3, true);
+    m.features.insert({e[0], e[1], x ? 1 : y ? 2 : 3, true});
     along[e[0]].push_back(e[1]);
     along[e[1]].push_back(e[0]);
   }
@@ -189,7 +189,7 @@ TetMesh cut_out(const TetMesh& whole, const IdVector<TetId, int>& label, int b, 
       const VertId a = whole.tet2vert[t][e[0]];
       const VertId c = whole.tet2vert[t][e[1]];
       if (const FeatureEdge* f = whole.features.find(a, c)) {
-        m.features.insert(whole2part[a], whole2part[c], f->ref, f->ridge);
+        m.features.insert({whole2part[a], whole2part[c], f->ref, f->ridge});
       }
     }
   }

@@ -142,7 +142,7 @@ void Collapser::move_features(VertId v, VertId u) {
       if (e == nullptr) continue;
       const FeatureEdge old = *e;
       m.features.erase(v, w);
-      if (w != u && m.features.find(u, w) == nullptr) m.features.insert(u, w, old.ref, old.ridge);
+      if (w != u && m.features.find(u, w) == nullptr) m.features.insert({u, w, old.ref, old.ridge});
     }
   }
 }
