@@ -232,7 +232,7 @@ void keep_local_features(Growing& g, const std::vector<Feature>& features) {
   FeatureEdges kept;
   for (std::size_t i = 0; i < used.size(); ++i) {
     const FeatureEdge& e = m.features.list()[i];
-    if (used[i] != 0) kept.insert(e.a, e.b, e.ref, e.ridge);
+    if (used[i] != 0) kept.insert({e.a, e.b, e.ref, e.ridge});
   }
   m.features = std::move(kept);
 }

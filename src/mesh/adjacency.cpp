@@ -116,7 +116,7 @@ Box bounding_box(const TetMesh& m) noexcept {
 
 FeatureEdges renumbered(const FeatureEdges& old, const IdVector<VertId, VertId>& old2new) {
   FeatureEdges out;
-  for (const auto& e : old.list()) out.insert(old2new[e.a], old2new[e.b], e.ref, e.ridge);
+  for (const auto& e : old.list()) out.insert({old2new[e.a], old2new[e.b], e.ref, e.ridge});
   return out;
 }
 
