@@ -24,7 +24,7 @@ function(skein_library name)
 endfunction()
 
 # The rooms that the public headers need, which make up libskein.
-set(skein_library_rooms base comm mesh metric kernel partition dist solution adapt report statistics api)
+set(skein_library_rooms base comm mesh metric geometry kernel partition dist solution adapt report statistics api)
 
 # Of a shared library only what the public headers have; see skein.map.
 function(skein_show_only_api target)

@@ -14,8 +14,8 @@
 #include "mesh/adjacency.hpp"
 #include "mesh/check.hpp"
 #include "mesh/vert_columns.hpp"
-#include "tests/dist/cube.hpp"
-#include "tests/mesh/meshes.hpp"
+#include "tests/support/dist_meshes.hpp"
+#include "tests/support/tet_meshes.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein::test {
@@ -191,7 +191,7 @@ TEST(VertColumns, FollowThroughAnAdaptationThatChangesNothing) {
 
 TEST(VertColumns, FollowFromRankToRank) {
   const Comm& comm = world();
-  DistMesh dist = with_metric(comm, cube(6, true, true), [](Vec3) { return SymTensor{}; });
+  DistMesh dist = with_metric(comm, cube(6, Regions::kTwoTagged), [](Vec3) { return SymTensor{}; });
   mark(dist.mesh);
   for (unsigned seed = 1; seed < 5; ++seed) {
     migrate(comm, dist, scatter(comm, dist, seed));
@@ -210,7 +210,7 @@ TEST(VertColumns, FollowFromRankToRank) {
 
 TEST(VertColumns, FollowThroughBandsOfARank) {
   const Comm& comm = world();
-  DistMesh dist = with_metric(comm, cube(6, true, true), [](Vec3) { return SymTensor{}; });
+  DistMesh dist = with_metric(comm, cube(6, Regions::kTwoTagged), [](Vec3) { return SymTensor{}; });
   mark(dist.mesh);
   dist.mesh.metric = {};
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
