@@ -23,15 +23,25 @@ function(skein_library name)
   target_link_libraries(${name} PUBLIC skein_options ${ARG_LINK})
 endfunction()
 
-# The rooms that the public headers need, which make up libskein.
-set(skein_library_rooms base comm mesh metric kernel partition dist solution adapt report statistics api)
-
-# Of a shared library only what the public headers have; see skein.map.
-function(skein_show_only_api target)
-  set(map ${PROJECT_SOURCE_DIR}/cmake/skein.map)
+# Makes `target` of the objects of the rooms that the public headers need. Methods as files are not among them (they
+# would add toml++). A shared library shows only what the public headers have (skein.map), and leaves nothing undefined.
+function(skein_make_of_rooms target)
+  foreach(room base comm mesh metric geometry kernel partition dist solution adapt report statistics api)
+    target_sources(${target} PRIVATE $<FILTER:$<TARGET_OBJECTS:skein_${room}>,EXCLUDE,method_file>)
+  endforeach()
+  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
+  target_link_libraries(${target} PUBLIC MPI::MPI_CXX PRIVATE fmt::fmt OpenMP::OpenMP_CXX Threads::Threads
+                                  gmp) # of the exact predicates
+  if(SKEIN_SANITIZE)
+    target_link_options(${target} PRIVATE -fsanitize=${SKEIN_SANITIZE})
+  endif()
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "SHARED_LIBRARY")
+    set(map ${PROJECT_SOURCE_DIR}/cmake/skein.map)
     target_link_options(${target} PRIVATE LINKER:--version-script=${map})
     set_target_properties(${target} PROPERTIES LINK_DEPENDS ${map})
+    if(NOT SKEIN_SANITIZE)
+      target_link_options(${target} PRIVATE LINKER:--no-undefined)
+    endif()
   endif()
 endfunction()
