@@ -26,27 +26,15 @@
 namespace skein {
 namespace {
 
-constexpr double kGrowth = 12;           ///< elements out of one in a step of growth
-constexpr int kMostSteps = 10;           ///< of growth
-constexpr double kWorkImbalance = 0.01;  ///< of the parts' predicted work
-constexpr double kImbalance = 0.03;      ///< to which the numbers of tetrahedra of the result are brought ...
-constexpr double kGoodEnough = 0.04;     ///< ... unless they are this good already
-constexpr int kLayers = 1;               ///< by which interfaces between ranks move after the first round ...
-constexpr int kMoreLayers = 2;           ///< ... and later, when few move: else the next one is soon in the way
-constexpr int kActiveLayers = 1;         ///< round old interfaces that are worked on again
-constexpr int kMendingRounds = 2;        ///< after the others, for what frozen vertices have left in a bad state
-constexpr int kMargin = 0;               ///< layers round these that cavities may reach into
-
-/// Collective. Tells whether the metric has directions anywhere: lengths that differ by more than a tenth.
-bool has_directions(const Comm& comm, const DistMesh& dist) {
-  constexpr double kLittle = 0.2;  // of the logarithms of 1/length^2
+/// Collective. Tells whether the metric has directions anywhere. `least`: what differs in the logarithm of 1/length^2.
+bool has_directions(const Comm& comm, const DistMesh& dist, double least) {
   std::int32_t found = 0;
   for (const VertId v : IdRange<VertId>(dist.mesh.vert_slots())) {
     const SymTensor& l = dist.mesh.log_metric[v];
     const double mean = (l.xx + l.yy + l.zz) / 3;
     const auto off = [&](double diagonal) { return std::abs(diagonal - mean); };
     const double most = std::max({off(l.xx), off(l.yy), off(l.zz), std::abs(l.xy), std::abs(l.xz), std::abs(l.yz)});
-    found |= most > kLittle ? 1 : 0;
+    found |= most > least ? 1 : 0;
   }
   return comm.max(found) != 0;
 }
@@ -64,7 +52,8 @@ void refine_rank_interface(const Comm& comm, DistMesh& dist, const LocalOptions&
     part.mesh = dist.mesh;
     measure_metric(part.mesh);
     prepare(part);
-    failed = refine_interface(part, gid, {.of_class = options.kernel.may_change_surface() ? VertClass{} : kSurface}) ? 0 : 1;
+    failed =
+        refine_interface(part, gid, {.of_class = options.kernel.may_change_surface() ? VertClass{} : kSurface}) ? 0 : 1;
   });
   if (comm.max(failed) != 0 || comm.sum(part.counts.insert) == 0) return;
   agree(comm, [&] {
@@ -100,22 +89,22 @@ LocalResult adapt_rank(DistMesh& dist, const LocalOptions& options) {
 /// Not collective.
 OperationCounts adapt_band(DistMesh& dist, LocalOptions options) {
   options.kernel.scope = Scope::kRetry;
-  Band band = cut_band(dist.mesh, kMargin, options.threads);
+  Band band = cut_band(dist.mesh, options.kernel.method.rounds.margin, options.threads);
   const LocalResult r = adapt_local(band.mesh, options);
   put_back(dist, band, r.old2new, options.threads);
   return r.counts;
 }
 
 /// A new interface along an old one would leave what lies there frozen again.
-void make_old_interfaces_heavy(const DistMesh& dist, std::vector<std::int32_t>& cost) {
-  constexpr std::int32_t kHeavier = 4, kMost = 1000;
+void make_old_interfaces_heavy(const DistMesh& dist, std::int32_t times, std::vector<std::int32_t>& cost) {
+  constexpr std::int32_t kMost = 1000;  // that the partitioner takes
   const TetMesh& m = dist.mesh;
   const auto was_shared = [&](VertId v) { return m.has(v, kFrozen); };
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     for (std::size_t k = 0; k < 4; ++k) {
       const FaceId f = make_face(t, k);
       const auto v = m.verts(f);
-      if (std::all_of(v.begin(), v.end(), was_shared)) cost[idx(f)] = std::min(kMost, kHeavier * cost[idx(f)]);
+      if (std::all_of(v.begin(), v.end(), was_shared)) cost[idx(f)] = std::min(kMost, times * cost[idx(f)]);
     }
   }
 }
@@ -130,11 +119,11 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, bool grown, const Lo
     measure_metric(dist.mesh);
     cost = face_costs(dist.mesh, local.threads);
     dist.mesh.metric = {};
-    if (grown) make_old_interfaces_heavy(dist, cost);
+    if (grown) make_old_interfaces_heavy(dist, local.kernel.method.rounds.old_interface_weight, cost);
   });
   MeshCutOptions options;
   options.face_weight = cost;
-  options.imbalance = kWorkImbalance;
+  options.imbalance = local.kernel.method.rounds.part_imbalance;
   options.threads = local.threads;
   migrate(comm, dist, multilevel_partition(comm, dist, work, parts, options));
   if (parts > 1) refine_rank_interface(comm, dist, local);
@@ -142,24 +131,24 @@ void cut_parts(const Comm& comm, DistMesh& dist, int parts, bool grown, const Lo
 
 /// Collective. Equal numbers of tetrahedra for whatever comes next. Displaced interfaces have taken from some ranks and
 /// given to others; ranks that had no part get one.
-void even_out(const Comm& comm, DistMesh& dist, int parts) {
+void even_out(const Comm& comm, DistMesh& dist, int parts, const Method::Rounds& o) {
   const auto most = static_cast<double>(comm.max(static_cast<std::int64_t>(dist.mesh.tet_slots())));
-  if (most * comm.size() <= (1 + kGoodEnough) * static_cast<double>(dist.global_tets)) return;
+  if (most * comm.size() <= (1 + o.result_good_enough) * static_cast<double>(dist.global_tets)) return;
   const std::vector<double> work(dist.mesh.tet_slots(), 1.0);
   migrate(comm, dist,
           parts < comm.size() ? to_ranks(partition(comm, dist, work, comm.size()))
-                              : rebalance(comm, dist, work, kImbalance));
+                              : rebalance(comm, dist, work, o.result_imbalance));
 }
 
 /// Collective. Moves the interfaces for the next round. Vertices of the first interface have numbers below
 /// `never_free` for as long as they have been on one in every round; everywhere else the mesh has been worked on with
 /// nothing frozen, and only what this has left in a bad state beside frozen vertices (kRetry) is looked at again. Tells
 /// whether any are left; otherwise there is nothing to do.
-bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never_free) {
+bool move_interfaces(const Comm& comm, DistMesh& dist, int round, GlobalId never_free, const Method::Rounds& o) {
   const auto moves = [&]() -> std::optional<Moves> {
-    const int layers = round == 1 ? kLayers : kMoreLayers;
-    InterfaceRegion region(comm, dist, std::max(kActiveLayers, layers));
-    if (!region.mark_active(kActiveLayers, never_free)) return {};
+    const int layers = round == 1 ? o.layers : o.layers_later;
+    InterfaceRegion region(comm, dist, std::max(o.active_layers, layers));
+    if (!region.mark_active(o.active_layers, never_free)) return {};
     return region.displace(layers, round, never_free);
   }();
   if (!moves) return false;
@@ -209,15 +198,16 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
   CutLimits last{};
   for (int step = 0;; ++step) {
     const std::vector<double> elements = predicted_elements(dist.mesh);
-    const CutLimits limits = cut_limits(comm, elements, workers);
+    const CutLimits limits = cut_limits(comm, elements, workers, local.kernel.method.growth);
     const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
     // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
-    if (limits.able >= limits.wanted || !helps || step == kMostSteps || local.spacing != nullptr)
+    if (limits.able >= limits.wanted || !helps || step == local.kernel.method.growth.most_steps ||
+        local.spacing != nullptr)
       return workers_for(limits, std::min(limits.wanted, comm.size()), local.threads, step > 0);
     last = limits;
     log.start(fmt::format("growth {}: partition", step + 1));
     if (!given) given.emplace(comm, dist, fields_of(dist.mesh.log_metric));
-    bound_growth(comm, dist, elements, kGrowth);
+    bound_growth(comm, dist, elements, local.kernel.method.growth.per_step);
     const Workers now = workers_for(limits, std::min(limits.able, comm.size()), local.threads, step > 0);
     LocalOptions step_options = local;
     step_options.threads = now.threads;
@@ -246,7 +236,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   });
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
   // Where lengths differ by direction, cavities fit less well, and every edge by itself is worth a look.
-  const bool directed = has_directions(comm, dist);
+  const bool directed = has_directions(comm, dist, options.method.rounds.directed_above);
   for (VertState& s : dist.mesh.vert_state) s |= kActive;
   const auto [parts, threads, grown] = grow(comm, dist, local, log);
   local.threads = threads;
@@ -266,16 +256,16 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   const auto tets = static_cast<std::int64_t>(dist.mesh.tet_slots());
   local.kernel.turning = 2 * comm.sum(turning ? tets : 0) > comm.sum(tets);
   bool more = parts > 1;
-  const int rounds = options.rounds > 1 ? options.rounds + kMendingRounds : 1;
+  const int rounds = options.rounds > 1 ? options.rounds + options.method.rounds.mending : 1;
   for (int round = 1; more && round < rounds; ++round) {
     log.start(fmt::format("round {}: partition", round + 1));
-    more = move_interfaces(comm, dist, round, round < options.rounds ? never_free : GlobalId{0});
+    more = move_interfaces(comm, dist, round, round < options.rounds ? never_free : GlobalId{0}, options.method.rounds);
     finish();
     if (!more) break;
     run_kernel(comm, dist, fmt::format("round {}: adapt", round + 1), log, [&] { return adapt_band(dist, local); });
   }
   log.start("balance");
-  even_out(comm, dist, parts);
+  even_out(comm, dist, parts, options.method.rounds);
   finish();
   log.start("reconcile");
   for (VertState& s : dist.mesh.vert_state) s &= ~(kActive | kBesideFrozen | kRetry);

@@ -12,13 +12,6 @@
 #include "partition/multilevel.hpp"
 
 namespace skein {
-namespace {
-
-constexpr double kImbalance = 0.005;  ///< of the blocks' predicted work
-constexpr double kIdle = 0.01;        ///< work in a tetrahedron that is not active
-
-}  // namespace
-
 std::vector<std::int32_t> face_costs(const TetMesh& m, int threads) {
   std::vector<std::int32_t> cost(4 * m.tet_slots(), 1);
   const auto of_face = [&](FaceId f) {
@@ -41,15 +34,15 @@ std::vector<std::int32_t> face_costs(const TetMesh& m, int threads) {
   return cost;
 }
 
-BlockLabels cut_blocks(const TetMesh& m, int blocks) {
+BlockLabels cut_blocks(const TetMesh& m, int blocks, const Method::Threads& method) {
   const auto cost = face_costs(m, blocks);
   auto work = predicted_work(m);
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     const auto& v = m.tet2vert[t];
-    if (std::none_of(v.begin(), v.end(), [&](VertId w) { return m.has(w, kActive); })) work[idx(t)] = kIdle;
+    if (std::none_of(v.begin(), v.end(), [&](VertId w) { return m.has(w, kActive); })) work[idx(t)] = method.idle_work;
   }
   const auto part = multilevel_partition(Comm::self(), dual_graph(m, work, cost, blocks), blocks,
-                                         MultilevelOptions{.imbalance = kImbalance, .threads = blocks});
+                                         MultilevelOptions{.imbalance = method.block_imbalance, .threads = blocks});
   BlockLabels label(m.tet_slots());
   for (const TetId t : IdRange<TetId>(m.tet_slots())) label[t] = num(part.raw()[idx(t)]);
   return label;

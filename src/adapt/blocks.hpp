@@ -17,7 +17,7 @@ std::vector<std::int32_t> face_costs(const TetMesh& mesh, int threads = 1);
 
 /// The block of each tetrahedron: compact blocks of equal predicted work with small interfaces in the final mesh, from
 /// the multilevel partitioner. Needs MPI, but no other rank. @pre no free slots; the mesh has log_metric and metric.
-BlockLabels cut_blocks(const TetMesh& mesh, int blocks);
+BlockLabels cut_blocks(const TetMesh& mesh, int blocks, const Method::Threads& method = {});
 
 /// True for each vertex that has tetrahedra of several blocks.
 IdVector<VertId, char> between_blocks(const TetMesh& mesh, const BlockLabels& label);

@@ -11,9 +11,6 @@
 namespace skein {
 namespace {
 
-constexpr double kSmallestPart = 12000;  ///< predicted tetrahedra of a part at least
-constexpr double kSmallestCut = 4000;    ///< tetrahedra of a part at least when it is cut
-
 SymTensor coarser(const SymTensor& log_m, double factor, double own_size) noexcept {
   Eigen e = eigen(log_m);
   for (double& l : e.value) {
@@ -25,7 +22,7 @@ SymTensor coarser(const SymTensor& log_m, double factor, double own_size) noexce
 
 }  // namespace
 
-CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int workers) {
+CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int workers, const Method::Growth& method) {
   double sum = 0, squares = 0;
   for (const double e : elements) {
     sum += e;
@@ -34,7 +31,7 @@ CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int wor
   sum = comm.sum(sum);
   squares = comm.sum(squares);
   const auto parts = [&](double n) { return static_cast<int>(std::clamp(n, 1.0, static_cast<double>(workers))); };
-  return {parts(sum / kSmallestPart), parts(squares > 0 ? sum * sum / squares / kSmallestCut : 1)};
+  return {parts(sum / method.smallest_part), parts(squares > 0 ? sum * sum / squares / method.smallest_cut : 1)};
 }
 
 void bound_growth(const Comm& comm, DistMesh& dist, std::span<const double> elements, double growth) {

@@ -4,6 +4,7 @@
 
 #include "comm/comm.hpp"
 #include "dist/dist_mesh.hpp"
+#include "kernel/method.hpp"
 
 namespace skein {
 
@@ -16,7 +17,8 @@ struct CutLimits {
 /// Collective. `elements`: how many tetrahedra will be in the place of each local one (predicted_elements). For the
 /// mesh as it is, tetrahedra are counted by how they share the growth, (sum e)^2 / sum e^2: when a few of them become
 /// nearly all of the final mesh, only these few can be distributed. @pre workers >= 1.
-CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int workers);
+CutLimits cut_limits(const Comm& comm, std::span<const double> elements, int workers,
+                     const Method::Growth& method = {});
 
 /// Collective. Replaces the log-metric by a coarser one where more than `growth` elements per tetrahedron
 /// would come of it: its sizes are multiplied by a common factor, but made no larger than half of the mesh's own, so

@@ -14,8 +14,6 @@
 namespace skein {
 namespace {
 
-constexpr std::size_t kSmallest = 2000;  ///< tetrahedra per thread below which threads do not pay
-
 void set_up(Part& part, const LocalOptions& o) {
   part.options = o.kernel;
   part.spacing = o.spacing;
@@ -65,10 +63,10 @@ auto longest_axis(const std::vector<Vec3>& points) {
 
 /// More than a tenth of the vertices, now or in the end, are frozen: a small part inside a refined interface. Cutting
 /// that once more gives blocks that are all interface, whose needles cost more than the threads gain.
-bool mostly_interface(const TetMesh& mesh) {
+bool mostly_interface(const TetMesh& mesh, std::int64_t one_in) {
   std::int64_t frozen = 0;
   for (const VertState s : mesh.vert_state) frozen += any(s & kFrozen) ? 1 : 0;
-  return 10 * frozen > std::ssize(mesh.vert_state.raw()) && 10 * frozen > expected_points(mesh);
+  return one_in * frozen > std::ssize(mesh.vert_state.raw()) && one_in * frozen > expected_points(mesh);
 }
 
 /// Slabs of equal numbers of tetrahedra across the longest side of the mesh: for a band, in which there is so little to
@@ -182,12 +180,15 @@ LocalResult adapt_local(TetMesh& mesh, const LocalOptions& o) {
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;
+  const Method::Threads& method = o.kernel.method.threads;
   const bool band = o.kernel.only_retry();  // nearly as it shall be, so its cut needs no refinement
-  if (o.threads <= 1 || mesh.tet_slots() < (band ? o.smallest_band : kSmallest) * static_cast<std::size_t>(o.threads) ||
-      (!band && mostly_interface(mesh))) {
+  if (o.threads <= 1 ||
+      mesh.tet_slots() < static_cast<std::size_t>(band ? method.smallest_band : method.smallest_block) *
+                             static_cast<std::size_t>(o.threads) ||
+      (!band && mostly_interface(mesh, method.frozen_one_in))) {
     run_alone(mesh, o, result);
   } else {
-    const auto label = band ? cut_slabs(mesh, o.threads) : cut_blocks(mesh, o.threads);
+    const auto label = band ? cut_slabs(mesh, o.threads) : cut_blocks(mesh, o.threads, method);
     const auto between = run_blocks(mesh, label, o, result);
     run_between(mesh, between, o, result);
   }

@@ -11,7 +11,6 @@ struct LocalOptions {
   KernelOptions kernel;
   const SpacingField* spacing = nullptr;           ///< not owned
   const Geometry* geometry = &default_geometry();  ///< not owned
-  std::size_t smallest_band = 50'000;  ///< tetrahedra per thread below which a band, of which few change, is not cut
 };
 struct LocalResult {
   OperationCounts counts;

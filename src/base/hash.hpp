@@ -6,7 +6,7 @@ namespace skein {
 
 inline constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15ULL;  ///< 2^64 over the golden ratio, odd
 
-/// Well-mixed bits of a number that is not small (the last steps of SplitMix64, S. Vigna; 0 stays 0).
+/// Well-mixed bits of a number that is not small (the last steps of [SplitMix64]; 0 stays 0).
 constexpr std::uint64_t finalise(std::uint64_t x) noexcept {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;

@@ -135,6 +135,34 @@ struct Method {
     double bad_short = 0.4;
     double good_quality = 0.75;
   } retry;
+
+  struct Growth {
+    double per_step = 12;
+    int most_steps = 10;
+    double smallest_part = 12000;
+    double smallest_cut = 4000;
+  } growth;
+
+  struct Rounds {
+    int mending = 2;
+    int layers = 1;
+    int layers_later = 2;
+    int active_layers = 1;
+    int margin = 0;
+    double directed_above = 0.2;
+    double part_imbalance = 0.01;
+    int old_interface_weight = 4;
+    double result_imbalance = 0.03;
+    double result_good_enough = 0.04;
+  } rounds;
+
+  struct Threads {
+    int smallest_block = 2000;
+    int smallest_band = 50'000;
+    double block_imbalance = 0.005;
+    double idle_work = 0.01;
+    int frozen_one_in = 10;
+  } threads;
 };
 
 /// A method by its name.

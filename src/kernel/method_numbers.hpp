@@ -119,6 +119,29 @@ void for_each_number(M&& m, Visit&& visit) {
   visit("retry.bad_long", m.retry.bad_long, 1, 100, "so are longer edges");
   visit("retry.bad_short", m.retry.bad_short, 0, 1, "and shorter ones, once");
   visit("retry.good_quality", m.retry.good_quality, 0, 1, "better elements beside frozen vertices need no more work");
+
+  visit("growth.per_step", m.growth.per_step, 8, 1000, "elements out of one in a step of growth");
+  visit("growth.most_steps", m.growth.most_steps, 0, 100, "steps in which a mesh grows that is too small to be cut");
+  visit("growth.smallest_part", m.growth.smallest_part, 1, 1e9, "predicted tetrahedra of a part at least");
+  visit("growth.smallest_cut", m.growth.smallest_cut, 1, 1e9, "tetrahedra of a part at least when it is cut");
+
+  visit("rounds.mending", m.rounds.mending, 0, 100, "rounds after the others, for what frozen vertices have left bad");
+  visit("rounds.layers", m.rounds.layers, 1, 100, "layers by which interfaces move after the first round");
+  visit("rounds.layers_later", m.rounds.layers_later, 1, 100, "... and later, when few move");
+  visit("rounds.active_layers", m.rounds.active_layers, 1, 100, "layers round old interfaces that are worked on again");
+  visit("rounds.margin", m.rounds.margin, 0, 100, "layers round these that cavities may reach into");
+  visit("rounds.directed_above", m.rounds.directed_above, 0, 10, "difference of log M by direction that counts as one");
+  visit("rounds.part_imbalance", m.rounds.part_imbalance, 0.001, 1, "of the parts' predicted work");
+  visit("rounds.old_interface_weight", m.rounds.old_interface_weight, 1, 100,
+        "of faces of old interfaces in a new cut");
+  visit("rounds.result_imbalance", m.rounds.result_imbalance, 0.001, 1, "tetrahedra per rank of the result, to this");
+  visit("rounds.result_good_enough", m.rounds.result_good_enough, 0.001, 1, "... unless they are this good already");
+
+  visit("threads.smallest_block", m.threads.smallest_block, 1, 1000000000, "tetrahedra for which a thread pays");
+  visit("threads.smallest_band", m.threads.smallest_band, 1, 1000000000, "the same in a band, of which few change");
+  visit("threads.block_imbalance", m.threads.block_imbalance, 0.001, 1, "of the blocks' predicted work");
+  visit("threads.idle_work", m.threads.idle_work, 0, 1, "work in a tetrahedron that is not active");
+  visit("threads.frozen_one_in", m.threads.frozen_one_in, 1, 1000, "a part with more frozen vertices is not cut again");
 }
 
 }  // namespace skein

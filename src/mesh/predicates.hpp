@@ -1,4 +1,4 @@
-// Exact orientation of four points: a floating-point filter, and CGAL's exact kernel where it cannot decide.
+// Exact orientation of four points: a floating-point filter, and the exact kernel of [CGAL] where it cannot decide.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ int orient3d_exact(Vec3 a, Vec3 b, Vec3 c, Vec3 d) noexcept;
 
 /// Exact sign (-1, 0, 1) of det(b-a, c-a, d-a), i.e. of the volume of the tetrahedron a b c d.
 /// The filter's bound is (8 + small) epsilon times the product of the largest differences per axis, times 6 terms;
-/// the bound is that of J. R. Shewchuk's stage A with the permanent replaced by its upper bound.
+/// the bound is that of [Shewchuk1997], stage A, with the permanent replaced by its upper bound.
 inline int orient3d_sign(Vec3 a, Vec3 b, Vec3 c, Vec3 d) noexcept {
   const Vec3 u = b - a, v = c - a, w = d - a;
   const double det = dot(cross(u, v), w);

@@ -1,5 +1,5 @@
-// Gradation: how fast sizes may grow from a vertex to its neighbours (F. Alauzet, Size gradation control of anisotropic
-// meshes, Finite Elem. Anal. Des. 46, 2010: growth in the metric space). The local half, without MPI.
+// Gradation: how fast sizes may grow from a vertex to its neighbours ([Alauzet2010]: Size gradation control of
+// anisotropic meshes, Finite Elem. Anal. Des. 46, 2010: growth in the metric space). The local half, without MPI.
 #pragma once
 #include <cstdint>
 #include <span>

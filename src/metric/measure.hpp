@@ -1,5 +1,5 @@
-// Lengths, volumes and quality in the metric, as the benchmark of the Unstructured Grid Adaptation Working Group
-// defines them (its measures are also the usual ones of the field).
+// Lengths, volumes and quality in the metric, as the benchmark [UGAWG] of the Unstructured Grid Adaptation
+// Working Group defines them (its measures are also the usual ones of the field).
 #pragma once
 #include <algorithm>
 #include <cmath>

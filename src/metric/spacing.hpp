@@ -1,4 +1,4 @@
-// Spacing sources: point, line and triangle sources of the chapter, eq. 35.2.
+// Spacing sources: point, line and triangle sources of the chapter [HassanProbert1999, eq. 35.2].
 #pragma once
 #include <array>
 #include <vector>

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
+#include "base/tensor.hpp"
 #include "comm/halo.hpp"
 #include "dist/dist_mesh.hpp"
-#include "base/tensor.hpp"
 
 namespace skein {
 

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
+#include "base/tensor.hpp"
 #include "comm/halo.hpp"
 #include "dist/dist_mesh.hpp"
-#include "base/tensor.hpp"
 
 namespace skein {
 

@@ -3,9 +3,9 @@
 #include <limits>
 #include <span>
 
+#include "base/tensor.hpp"
 #include "comm/comm.hpp"
 #include "dist/dist_mesh.hpp"
-#include "base/tensor.hpp"
 
 namespace skein {
 

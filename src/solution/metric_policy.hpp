@@ -7,10 +7,10 @@
 #include <span>
 #include <string>
 
+#include "base/tensor.hpp"
 #include "comm/comm.hpp"
 #include "dist/dist_mesh.hpp"
 #include "mesh/mesh_slice.hpp"
-#include "base/tensor.hpp"
 #include "solution/gradation.hpp"
 
 namespace skein {
@@ -70,8 +70,9 @@ GradationReport metric_from_field(const Comm& comm, const DistMesh& dist, const 
                                   std::span<const double> scalar, std::span<SymTensor> log_metric);
 
 /// Collective. The whole policy: what metric_values() gave, in the column log_metric (kTensors, kSizes) or `fields`
-/// (kField), becomes the logarithm of the metric to adapt to in log_metric. Given tensors and sizes are scaled to the complexity (if there is one), then clamped, then graded; for
-/// a field see metric_from_field(). Tells what the gradation did.
+/// (kField), becomes the logarithm of the metric to adapt to in log_metric. Given tensors and sizes are scaled to the
+/// complexity (if there is one), then clamped, then graded; for a field see metric_from_field(). Tells what the
+/// gradation did.
 GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricPolicy& policy);
 
 }  // namespace skein

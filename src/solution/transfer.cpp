@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/hilbert.hpp"
-#include "base/radix_sort.hpp"
 #include "base/parallel.hpp"
+#include "base/radix_sort.hpp"
 #include "dist/rendezvous.hpp"
 
 namespace skein {

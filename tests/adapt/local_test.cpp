@@ -35,7 +35,7 @@ constexpr int kCells = 12;
 constexpr int kCells = 10;  // even, for two regions
 #endif
 Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = false,
-            std::size_t smallest_band = LocalOptions().smallest_band, double scale = 1) {
+            int smallest_band = Method{}.threads.smallest_band, double scale = 1) {
   Outcome r;
   r.mesh = make_mesh({.n = kCells, .shape = shape, .two_regions = regions, .perturb = 0.2});
   for (const VertId v : IdRange<VertId>(r.mesh.vert_slots())) {
@@ -46,7 +46,7 @@ Outcome run(int threads, bool regions, Shape shape = Shape::kBox, bool frozen = 
   r.before = measure(r.mesh);
   LocalOptions options;
   options.threads = threads;
-  options.smallest_band = smallest_band;
+  options.kernel.method.threads.smallest_band = smallest_band;
   r.result = adapt_local(r.mesh, options);
   return r;
 }
@@ -139,8 +139,8 @@ TEST_P(Threads, KeepCurvedPatches) {
 
 /// Bands are small against a mesh of this size, and are cut however small they are.
 TEST(Slabs, ShareTheBandBetweenBlocks) {
-  const auto made = [](std::size_t smallest_band) { return run(2, true, Shape::kBox, true, smallest_band, 0.55); };
-  const Outcome whole = made(LocalOptions().smallest_band), a = made(1), b = made(1);
+  const auto made = [](int smallest_band) { return run(2, true, Shape::kBox, true, smallest_band, 0.55); };
+  const Outcome whole = made(Method{}.threads.smallest_band), a = made(1), b = made(1);
   ASSERT_EQ(check(a.mesh), "");
   EXPECT_TRUE(interface_faces(a.mesh).empty());
   EXPECT_EQ(differ(a.before, measure(a.mesh), 1e-12), "");

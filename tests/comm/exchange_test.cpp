@@ -1,11 +1,12 @@
 // Sparse exchange and replies.
+#include "comm/exchange.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-#include "comm/exchange.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein {

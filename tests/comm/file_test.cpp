@@ -1,4 +1,6 @@
 // Files in slices: round trips, and one clear error on all ranks.
+#include "comm/file.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 #include <unistd.h>
@@ -7,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "comm/file.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein {

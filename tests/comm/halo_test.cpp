@@ -1,11 +1,12 @@
 // Halo: the same bits on every copy, however badly the values are scaled.
+#include "comm/halo.hpp"
+
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
 #include <limits>
 
-#include "comm/halo.hpp"
 #include "tests/support/world.hpp"
 
 namespace skein {

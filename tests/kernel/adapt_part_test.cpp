@@ -319,7 +319,8 @@ TEST(AdaptPart, MarksWhatFrozenVerticesLeaveBad) {
     for (const TetId t : IdRange<TetId>(p.mesh.tet_slots())) {
       if (!p.mesh.is_live(t)) continue;
       const auto& v = p.mesh.tet2vert[t];
-      for (const VertId w : v) of_poor[w] |= p.has_any(t, kFrozen) && p.q3[t] < cube(p.options.method.retry.good_quality) ? 1 : 0;
+      for (const VertId w : v)
+        of_poor[w] |= p.has_any(t, kFrozen) && p.q3[t] < cube(p.options.method.retry.good_quality) ? 1 : 0;
       bool is_bad = quality(quality_cubed(p, t)) < 0.3;
       for (const auto& e : kEdgeVerts) {
         const double l = p.length(v[e[0]], v[e[1]]);

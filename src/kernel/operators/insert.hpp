@@ -14,7 +14,7 @@ enum class InsertResult { kDone, kTooClose, kRefused };
 
 /// Inserts points: the cavity starts from what contains the point, grows by the empty-sphere test in the new point's
 /// metric (never through tagged faces), shrinks until it is star-shaped with elements above a quality floor, and is
-/// coned. Sources: Bowyer-Watson cavities as in the chapter [35.2.3.2]; metric test after George & Borouchaki.
+/// coned. [Bowyer1981], [Watson1981], the chapter [35.2.3.2]; test in the metric: [GeorgeBorouchaki1998].
 class Inserter {
  public:
   Inserter(Part& part, Cavity& cavity) : part_(&part), cavity_(&cavity) {}

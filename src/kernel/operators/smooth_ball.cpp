@@ -60,7 +60,8 @@ bool Smoother::find_freedom(VertId v, Freedom& free) {
 
 bool Smoother::gather(VertId v, Ball& ball) {
   const Part& p = *part_;
-  if (p.mesh.has(v, kFrozen) || p.mesh.has(v, kCorner | kRequired) || !find_ball(v) || !find_freedom(v, ball.free)) return false;
+  if (p.mesh.has(v, kFrozen) || p.mesh.has(v, kCorner | kRequired) || !find_ball(v) || !find_freedom(v, ball.free))
+    return false;
   cone_.clear();
   for (const FaceId f : ball_) {
     const auto k = p.mesh.verts(f);

@@ -9,7 +9,7 @@
 
 namespace skein {
 
-/// Swaps of edges and faces. (Skew polygon: the chapter [35.3.1]; its best triangulation: G. Klincsek, 1980.)
+/// Swaps of edges and faces. (Skew polygon: the chapter [35.3.1]; its best triangulation: [Klincsek1980].)
 class Swapper {
  public:
   static constexpr int kMaxRing = Cavity::kMaxRing;
