@@ -260,8 +260,8 @@ TEST_P(Blocks, WithInterfacesRefinedInTwoStepsTheyFitTogether) {
   for (Block& b : parts) {
     prepare(b.part);
     const double above = b.part.options.method.lengths.split_above;
-    ASSERT_TRUE(refine_block_interface(b, kCoarse));
-    EXPECT_LE(longest(b), kCoarse * above);
+    ASSERT_TRUE(refine_block_interface(b, Method{}.lengths.first_step));
+    EXPECT_LE(longest(b), Method{}.lengths.first_step * above);
     EXPECT_GT(longest(b), above);  // else the second step has nothing to do
     const std::size_t coarse = b.common.size();
     const std::int64_t inserted = b.part.counts.insert;

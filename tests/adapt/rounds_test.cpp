@@ -71,7 +71,7 @@ Reference reference(const Comm& comm, const Case& c) {
     const Comm self = Comm::self();
     DistMesh dist = make(self, c);
     run(self, dist, 1);
-    const MeshStatistics s = statistics(self, dist, Measure::kInMetric);
+    const MeshStatistics s = statistics(self, dist, skein::Measure::kInMetric);
     r = {s.length.unit_share, s.quality.mean, static_cast<double>(s.tets)};
   }
   return comm.broadcast(r);
@@ -101,7 +101,7 @@ TEST_P(Adapt, KeepsAndFits) {
     expect_kept(before, measure(comm, dist));
     EXPECT_EQ(content(comm, to_slices(comm, dist)).corners, corners_before.corners);
     for (const VertState s : dist.mesh.vert_state) EXPECT_FALSE(any(s & kActive));
-    const MeshStatistics s = statistics(comm, dist, Measure::kInMetric);
+    const MeshStatistics s = statistics(comm, dist, skein::Measure::kInMetric);
     EXPECT_EQ(s.nonpositive_tets, 0);
     EXPECT_GE(s.length.unit_share, 90);
     EXPECT_LE(s.length.p99, 2);
@@ -169,7 +169,7 @@ TEST_P(Adapt, AnOutputIsAsGoodAnInputAsAny) {
   const std::int64_t first = dist.global_tets;
   run(comm, dist, GetParam());
   EXPECT_NO_THROW(reconcile(comm, dist));
-  const MeshStatistics s = statistics(comm, dist, Measure::kInMetric);
+  const MeshStatistics s = statistics(comm, dist, skein::Measure::kInMetric);
   EXPECT_GE(s.length.unit_share, 90);
   EXPECT_NEAR(static_cast<double>(dist.global_tets), static_cast<double>(first), 0.05 * static_cast<double>(first));
 }
@@ -182,7 +182,7 @@ TEST_P(Adapt, WorksWithFewerTetrahedraThanRanks) {
   EXPECT_NO_THROW(reconcile(comm, dist));
   EXPECT_EQ(check(dist.mesh), "");
   expect_kept(before, measure(comm, dist));
-  EXPECT_LE(statistics(comm, dist, Measure::kInMetric).length.max, 4);
+  EXPECT_LE(statistics(comm, dist, skein::Measure::kInMetric).length.max, 4);
 }
 
 TEST(AdaptBalance, GivesEveryRankItsShareOfTheResult) {
@@ -205,7 +205,7 @@ TEST(AdaptGrowth, OfSeveralThreadsIsAsGoodAsOfOne) {
   DistMesh dist = make(comm, c);
   run(comm, dist, 4);
   EXPECT_NO_THROW(reconcile(comm, dist));
-  const MeshStatistics s = statistics(comm, dist, Measure::kInMetric);
+  const MeshStatistics s = statistics(comm, dist, skein::Measure::kInMetric);
   EXPECT_GE(s.length.unit_share, one.unit_share - 2);
   EXPECT_NEAR(static_cast<double>(s.tets), one.tets, 0.05 * one.tets);
 }

@@ -48,7 +48,7 @@ SymTensor varying(Vec3 x) {
 TEST(Statistics, OfARegularTetrahedronInItsMetric) {
   const Comm& comm = world();
   const DistMesh dist = with_metric(comm, regular_tet(), [](Vec3) { return isotropic(-2 * std::log(kEdge)); });
-  const MeshStatistics s = statistics(comm, dist, Measure::kInMetric);
+  const MeshStatistics s = statistics(comm, dist, skein::Measure::kInMetric);
   EXPECT_EQ(s.tets, 1);
   EXPECT_EQ(s.vertices, 4);
   EXPECT_EQ(s.edges, 6);
@@ -80,7 +80,8 @@ TEST(Statistics, AUnitTetrahedronOfAnyMetricHasLengthsAndQualityOne) {
                     entry(&Vec3::x, &Vec3::z), entry(&Vec3::y, &Vec3::z), entry(&Vec3::z, &Vec3::z)};
   WholeMesh w = regular_tet();
   for (Vec3& x : w.coords) x = map(x);
-  const MeshStatistics s = statistics(comm, with_metric(comm, w, [&](Vec3) { return log(m); }), true);
+  const MeshStatistics s =
+      statistics(comm, with_metric(comm, w, [&](Vec3) { return log(m); }), skein::Measure::kInMetric);
   EXPECT_NEAR(s.length.min, 1, 1e-6);
   EXPECT_NEAR(s.length.max, 1, 1e-6);
   EXPECT_NEAR(s.quality.min, 1, 1e-6);
@@ -91,7 +92,7 @@ TEST(Statistics, AUnitTetrahedronOfAnyMetricHasLengthsAndQualityOne) {
 TEST(Statistics, OfACube) {
   const Comm& comm = world();
   const int n = 3;
-  const MeshStatistics s = statistics(comm, distribute(comm, slices(comm, cube(n))), Measure::kInSpace);
+  const MeshStatistics s = statistics(comm, distribute(comm, slices(comm, cube(n))), skein::Measure::kInSpace);
   EXPECT_EQ(s.tets, 6 * n * n * n);
   EXPECT_EQ(s.vertices, 64);
   // Vertices - edges + faces - tetrahedra = 1; four faces per tetrahedron, those of the hull once.
@@ -150,7 +151,7 @@ TEST(Statistics, AreWhatBruteForceFinds) {
   const Comm& comm = world();
   const WholeMesh w = bent_cube(4);
   const Judged j = judge(w);
-  const MeshStatistics s = statistics(comm, with_metric(comm, w, varying), Measure::kInMetric);
+  const MeshStatistics s = statistics(comm, with_metric(comm, w, varying), skein::Measure::kInMetric);
   EXPECT_EQ(s.tets, std::ssize(w.tets));
   EXPECT_EQ(s.vertices, std::ssize(w.coords));
   EXPECT_EQ(s.edges, std::ssize(j.length));
@@ -193,10 +194,11 @@ TEST(Statistics, AreWhatBruteForceFinds) {
 TEST(Statistics, RanksAndThreadsDoNotMatter) {
   const Comm& comm = world();
   const WholeMesh w = bent_cube(5);
-  const MeshStatistics alone = statistics(Comm::self(), with_metric(Comm::self(), w, varying), Measure::kInMetric);
+  const MeshStatistics alone =
+      statistics(Comm::self(), with_metric(Comm::self(), w, varying), skein::Measure::kInMetric);
   const DistMesh dist = with_metric(comm, w, varying);
   for (const int threads : {1, 3}) {
-    const MeshStatistics s = statistics(comm, dist, Measure::kInMetric, threads);
+    const MeshStatistics s = statistics(comm, dist, skein::Measure::kInMetric, threads);
     EXPECT_EQ(s.tets, alone.tets);
     EXPECT_EQ(s.vertices, alone.vertices);
     EXPECT_EQ(s.edges, alone.edges);
@@ -231,7 +233,7 @@ TEST(Statistics, InvertedTetrahedraAreCountedAndHaveNoQuality) {
     std::swap(v[0], v[1]);
     turned = 1;
   }
-  const MeshStatistics s = statistics(comm, dist, Measure::kInMetric);
+  const MeshStatistics s = statistics(comm, dist, skein::Measure::kInMetric);
   EXPECT_EQ(s.nonpositive_tets, comm.sum(turned));
   EXPECT_GT(s.nonpositive_tets, 0);
   EXPECT_LT(s.min_volume, 0);
@@ -240,7 +242,7 @@ TEST(Statistics, InvertedTetrahedraAreCountedAndHaveNoQuality) {
 
 TEST(Statistics, TextHasTheCountsAndTheComplexity) {
   const Comm& comm = world();
-  const std::string text = to_text(statistics(comm, with_metric(comm, cube(6), varying), Measure::kInMetric));
+  const std::string text = to_text(statistics(comm, with_metric(comm, cube(6), varying), skein::Measure::kInMetric));
   for (const char* part : {"1,296", "343", "complexity"}) EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
