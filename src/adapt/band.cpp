@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/assert.hpp"
 #include "base/parallel.hpp"
 #include "base/subset.hpp"
 #include "dist/feature_scan.hpp"
+#include "mesh/check.hpp"
 #include "mesh/free_slots.hpp"
 
 namespace skein {
@@ -231,11 +233,13 @@ Band cut_band(const TetMesh& mesh, int layers, int threads) {
 
 void put_back(TetMesh& mesh, const Band& band, const IdVector<VertId, VertId>& old2new, std::span<VertId> kept,
               int threads) {
+  SKEIN_ASSERT_NO_FAULT_AT(2, check_sizes(band.mesh));
   const MovedVerts now = Return(mesh, band, threads).run(old2new);
   for (VertId& v : kept) v = now(v);
 }
 
 void put_back(DistMesh& dist, const Band& band, const IdVector<VertId, VertId>& old2new, int threads) {
+  SKEIN_ASSERT_NO_FAULT_AT(2, check_sizes(band.mesh));
   const MovedVerts now = Return(dist, band, threads).run(old2new);
   for (VertId& v : dist.sharing.vert) v = now(v);
 }

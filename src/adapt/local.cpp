@@ -177,6 +177,8 @@ void run_between(TetMesh& mesh, const std::vector<VertId>& between, const LocalO
 }  // namespace
 
 LocalResult adapt_local(TetMesh& mesh, const LocalOptions& o) {
+  SKEIN_ASSERT_NO_FAULT_AT(2, check_sizes(mesh));
+  SKEIN_ASSERT_NO_FAULT_AT(3, check(mesh));
   LocalResult result;
   result.old2new = identity_of_frozen(mesh);
   if (mesh.tet_slots() == 0) return result;

@@ -5,8 +5,10 @@
 
 #include "adapt/blocks.hpp"
 #include "adapt/gaps.hpp"
+#include "base/assert.hpp"
 #include "base/parallel.hpp"
 #include "base/subset.hpp"
+#include "mesh/check.hpp"
 #include "mesh/free_slots.hpp"
 
 namespace skein {
@@ -313,6 +315,9 @@ class Joiner {
 
 }  // namespace
 
-Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts) { return Joiner(blocks, old_verts).run(); }
+Merged merge_blocks(std::vector<Block>& blocks, std::size_t old_verts) {
+  for ([[maybe_unused]] const Block& b : blocks) SKEIN_ASSERT_NO_FAULT_AT(2, check_sizes(b.part.mesh));
+  return Joiner(blocks, old_verts).run();
+}
 
 }  // namespace skein

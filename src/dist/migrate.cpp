@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include "base/assert.hpp"
 #include "base/error.hpp"
 #include "base/subset.hpp"
 #include "dist/column_pack.hpp"
@@ -12,6 +13,7 @@
 #include "dist/partition.hpp"
 #include "dist/rendezvous.hpp"
 #include "dist/sharing.hpp"
+#include "mesh/check.hpp"
 #include "mesh/free_slots.hpp"
 #include "mesh/surroundings.hpp"
 
@@ -371,6 +373,12 @@ class Arrival {
 }  // namespace
 
 void migrate(const Comm& comm, DistMesh& dist, const Moves& moves) {
+  SKEIN_ASSERT_NO_FAULT_AT(2, check_sizes(dist.mesh));
+  SKEIN_ASSERT_NORMAL(dist.vert2gid.size() == dist.mesh.vert_slots());
+  SKEIN_ASSERT_NORMAL(moves.tets.size() == moves.to.size());
+  SKEIN_ASSERT_NORMAL(std::is_sorted(moves.tets.begin(), moves.tets.end()));
+  SKEIN_ASSERT_NORMAL(moves.tets.empty() || idx(moves.tets.back()) < dist.mesh.tet_slots());
+  SKEIN_ASSERT_NO_FAULT_AT(3, check(dist.mesh));
   agree(comm, [&] {
     if (moves.to.size() != moves.tets.size() ||
         std::any_of(moves.to.begin(), moves.to.end(), [&](Rank r) { return num(r) < 0 || num(r) >= comm.size(); }))

@@ -11,11 +11,11 @@
 
 #ifdef SKEIN_WITH_TETGEN
 // TetGen ends through terminatetetgen(), which frees what its destructor then frees again: an error would crash. The
-// library calls it through the symbol table, so that the version below takes the place of its own.
+// library calls it through the symbol table, so that the version below takes the place of its own: it must be visible.
 #define terminatetetgen terminatetetgen_that_frees_twice
 #include <tetgen.h>
 #undef terminatetetgen
-void terminatetetgen(tetgenmesh*, int code) { throw code; }
+[[gnu::visibility("default")]] void terminatetetgen(tetgenmesh*, int code) { throw code; }
 #endif
 
 namespace skein {

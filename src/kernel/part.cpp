@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "base/assert.hpp"
 #include "mesh/adjacency.hpp"
+#include "mesh/check.hpp"
 #include "metric/complexity.hpp"
 
 namespace skein {
@@ -14,6 +16,9 @@ double quality_cubed(const Part& p, TetId t) noexcept {
 }
 
 void prepare(Part& p) {
+  SKEIN_ASSERT_NO_FAULT_AT(2, check_sizes(p.mesh));
+  SKEIN_ASSERT_NORMAL(p.mesh.log_metric.size() == p.mesh.vert_slots());
+  SKEIN_ASSERT_NORMAL(p.mesh.metric.size() == p.mesh.vert_slots());
   const std::size_t nt = p.mesh.tet_slots();
   p.q3.resize(nt);
   p.tet_mark.assign(nt, 0);

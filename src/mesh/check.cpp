@@ -43,6 +43,23 @@ std::string check_faces(const TetMesh& m, TetId t) {
 
 }  // namespace
 
+std::string check_sizes(const TetMesh& m) {
+  const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
+  if (m.vert2tet.size() != nv) return fmt::format("vert2tet has {} entries for {} vertices", m.vert2tet.size(), nv);
+  if (m.tet2face.size() != nt || m.face_tag.size() != nt || m.tet_ref.size() != nt) {
+    return fmt::format("the arrays of the {} tetrahedra have {}, {} and {} entries", nt, m.tet2face.size(),
+                       m.face_tag.size(), m.tet_ref.size());
+  }
+  std::string fault;
+  int column = 0;
+  for_each_vert_column(m, [&](const auto& c) {
+    if (fault.empty() && !c.empty() && c.size() != nv)
+      fault = fmt::format("column {} has {} entries for {} vertices", column, c.size(), nv);
+    ++column;
+  });
+  return fault;
+}
+
 std::string check(const TetMesh& m) {
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     if (!m.is_live(t)) continue;

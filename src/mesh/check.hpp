@@ -11,6 +11,9 @@ namespace skein {
 /// feature edges have live ends marked kRidge, vertices of tagged faces are marked kSurface. Otherwise the first fault.
 std::string check(const TetMesh& mesh);
 
+/// Empty when every array has one entry per slot and every column that is there one per vertex; else the first fault.
+std::string check_sizes(const TetMesh& mesh);
+
 /// Sum of the volumes of live tetrahedra.
 double volume(const TetMesh& mesh) noexcept;
 /// Number of live tetrahedra.
