@@ -9,7 +9,8 @@ namespace skein {
 
 /// Calls visit(name, number, least, most, text) for each number of the method; `name` is "section.key", `number` an int
 /// or a double (of a const or mutable method), `text` one line.
-template <class M, class Visit>
+// One list, the longer the more numbers there are.
+template <class M, class Visit>  // NOLINTNEXTLINE(readability-function-size)
 void for_each_number(M&& m, Visit&& visit) {
   visit("lengths.split_above", m.lengths.split_above, 0.5, 10, "edges longer than this get points");
   visit("lengths.collapse_below", m.lengths.collapse_below, 0, 2, "edges shorter than this lose an end");
