@@ -95,6 +95,7 @@ class Cut {
       }
       band_.mesh.face_tag[to] = m_.face_tag[t];
       band_.mesh.tet_ref[to] = m_.tet_ref[t];
+      band_.mesh.tet_class[to] = m_.tet_class[t];
     }
   }
 
@@ -104,7 +105,7 @@ class Cut {
         const FeatureEdge& e = m_.features.list()[place];
         const auto a = to_id<VertId>(verts_.place(e.a)), b = to_id<VertId>(verts_.place(e.b));
         if (band_.mesh.features.find(a, b) != nullptr) return;
-        band_.mesh.features.insert({a, b, e.ref, e.ridge});
+        band_.mesh.features.insert({a, b, e.ref, e.edge_class});
         band_.features.push_back(e);
       });
     }
@@ -132,7 +133,7 @@ class Return {
     for (const FeatureEdge& e : band_.features) m_.features.erase(e.a, e.b);
     place_vertices(old2new);
     place_tets();
-    for (const FeatureEdge& e : b_.features.list()) m_.features.insert({vert_[e.a], vert_[e.b], e.ref, e.ridge});
+    for (const FeatureEdge& e : b_.features.list()) m_.features.insert({vert_[e.a], vert_[e.b], e.ref, e.edge_class});
     fill_free_tets(m_, free_tets_);
     return fill_free_verts(all_, free_verts_, threads_);
   }
@@ -192,6 +193,7 @@ class Return {
       }
       m_.face_tag[to] = b_.face_tag[t];
       m_.tet_ref[to] = b_.tet_ref[t];
+      m_.tet_class[to] = b_.tet_class[t];
     }
   }
 

@@ -98,7 +98,7 @@ void cut_features(const TetMesh& m, TetId t, const IdVector<VertId, VertId>& to_
     const VertId a = tv[e[0]], b = tv[e[1]];
     if (!m.has(a, kRidge) || !m.has(b, kRidge)) continue;
     const FeatureEdge* f = m.features.find(a, b);
-    if (f != nullptr) features.insert({to_block[a], to_block[b], f->ref, f->ridge});
+    if (f != nullptr) features.insert({to_block[a], to_block[b], f->ref, f->edge_class});
   }
 }
 
@@ -132,6 +132,7 @@ Block cut_block(const TetMesh& m, const BlockLabels& label, const IdVector<VertI
     for (const VertId v : tv) bm.vert2tet[v] = bt;
     bm.face_tag.push_back(m.face_tag[t]);
     bm.tet_ref.push_back(m.tet_ref[t]);
+    bm.tet_class.push_back(m.tet_class[t]);
     cut_features(m, t, to_block, bm.features);
   }
   bm.patch_ref = m.patch_ref;

@@ -211,7 +211,7 @@ class Joiner {
       }
       if (b == 0) continue;
       for (const FeatureEdge& e : block.part.mesh.features.list()) {
-        blocks_[0].part.mesh.features.insert({number(b, e.a), number(b, e.b), e.ref, e.ridge});
+        blocks_[0].part.mesh.features.insert({number(b, e.a), number(b, e.b), e.ref, e.edge_class});
       }
     }
   }
@@ -224,7 +224,9 @@ class Joiner {
     }
     out_.mesh = std::move(blocks_[0].part.mesh);
     TetMesh& m = out_.mesh;
-    grow_in_parallel(threads_, std::tie(m.tet2vert.raw(), m.tet2face.raw(), m.face_tag.raw(), m.tet_ref.raw()), nt);
+    grow_in_parallel(threads_,
+                     std::tie(m.tet2vert.raw(), m.tet2face.raw(), m.face_tag.raw(), m.tet_ref.raw(), m.tet_class.raw()),
+                     nt);
     grow_verts(m, nv, threads_);
   }
 
@@ -282,6 +284,7 @@ class Joiner {
         }
         out_.mesh.face_tag[to] = m.face_tag[t];
         out_.mesh.tet_ref[to] = m.tet_ref[t];
+        out_.mesh.tet_class[to] = m.tet_class[t];
         look(to);
       }
     }

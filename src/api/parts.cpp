@@ -302,7 +302,8 @@ PartitionedMesh to_partitioned_mesh(const Comm& comm, DistMesh&& dist) {
     out.triangle_refs.push_back(m.patch_ref[static_cast<std::size_t>(tag_patch(tag))]);
   }
   for (const FeatureEdge& e : edges_to_write(comm, dist)) {
-    if (e.ridge) out.ridges.push_back(static_cast<std::int32_t>(out.edges.size()));
+    if (e.has(kRidgeEdge)) out.ridges.push_back(static_cast<std::int32_t>(out.edges.size()));
+    if (e.has(kRequiredEdge)) out.required_edges.push_back(static_cast<std::int32_t>(out.edges.size()));
     out.edges.push_back({num(e.a), num(e.b)});
     out.edge_refs.push_back(e.ref);
   }

@@ -273,7 +273,12 @@ void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& re
     m.tag(faces[i]) = verdicts[i].tag;
     if (verdicts[i].speaks != 0) g.speakers.push_back(faces[i]);
     if (verdicts[i].tag == 0) continue;
-    for (const VertId v : m.verts(faces[i])) m.vert_class[v] |= kSurface;
+    const VertClass flags = (verdicts[i].tag & kRequiredFace) != 0 ? kSurface | kRidge | kFixed : kSurface;
+    for (const VertId v : m.verts(faces[i])) m.vert_class[v] |= flags;
+  }
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (!m.has(t, kRequiredTet)) continue;
+    for (const VertId v : m.tet2vert[t]) m.vert_class[v] |= kRidge | kFixed;
   }
 }
 

@@ -84,6 +84,12 @@ std::vector<Bits> deliver_marks(const Comm& comm, const Blocks& blocks, std::int
   return out;
 }
 
+/// Collective. The same for the entities of a list.
+template <std::size_t N, class Bits>
+std::vector<Bits> deliver_marks_of(const Comm& comm, const EntitySlice<N>& list, const std::vector<Mark<Bits>>& marks) {
+  return deliver_marks(comm, Blocks(comm, list.first), list.first, list.verts.size(), marks);
+}
+
 template <class Bits>
 void mark_list(const VertexListSlice& list, std::int64_t total, Bits bits, std::vector<Mark<Bits>>& marks) {
   for (const GlobalId g : list.verts) {
@@ -91,7 +97,7 @@ void mark_list(const VertexListSlice& list, std::int64_t total, Bits bits, std::
   }
 }
 
-void deliver_vertex_classes(FileSource& src, const std::vector<std::uint8_t>& edge_required) {
+void deliver_vertex_classes(FileSource& src) {
   const MeshSlice& f = src.file;
   std::vector<Mark<VertClass>> marks;
   mark_list(f.corners, f.total_verts, kCorner, marks);
@@ -100,7 +106,7 @@ void deliver_vertex_classes(FileSource& src, const std::vector<std::uint8_t>& ed
     for (const GlobalId v : tri) marks.push_back({num(v), kSurface});
   }
   for (std::size_t i = 0; i < f.edges.verts.size(); ++i) {
-    const VertClass bits = edge_required[i] != 0 ? kRidge | kRequired : kRidge;
+    const VertClass bits = any(src.edge_class[i] & kRequiredEdge) ? kRidge | kFixed : kRidge;
     for (const GlobalId v : f.edges.verts[i]) marks.push_back({num(v), bits});
   }
   src.vert_class = deliver_marks(src.comm, src.vert_blocks, f.first_vert, f.coords.size(), marks);
@@ -110,26 +116,23 @@ void deliver_vertex_classes(FileSource& src, const std::vector<std::uint8_t>& ed
 
 FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
                        const DistributeOptions& options) {
-  FileSource src{comm, file, fields, options, Blocks(comm, file.first_vert), {}, {}, {}};
+  FileSource src{comm, file, fields, options, Blocks(comm, file.first_vert), {}, {}, {}, {}};
   check_fields(src);
   check_coordinates(src);
   check_entities(src, file.tets, "tetrahedra", true);
   check_entities(src, file.triangles, "triangles", true);
   check_entities(src, file.edges, "edges", false);
-  using Bits = std::uint8_t;
-  std::vector<Mark<Bits>> marks;
-  mark_list(file.ridges, file.edges.total, Bits{1}, marks);
-  mark_list(file.required_edges, file.edges.total, Bits{3}, marks);
-  src.edge_is_ridge =
-      deliver_marks(comm, Blocks(comm, file.edges.first), file.edges.first, file.edges.verts.size(), marks);
-  auto edge_required = src.edge_is_ridge;
-  for (auto& e : edge_required) e = e >> 1 & 1;
-  for (auto& e : src.edge_is_ridge) e = e & 1;
-  marks.clear();
-  mark_list(file.required_triangles, file.triangles.total, Bits{1}, marks);
-  src.triangle_required =
-      deliver_marks(comm, Blocks(comm, file.triangles.first), file.triangles.first, file.triangles.verts.size(), marks);
-  deliver_vertex_classes(src, edge_required);
+  std::vector<Mark<FeatureClass>> edges;
+  mark_list(file.ridges, file.edges.total, kRidgeEdge, edges);
+  mark_list(file.required_edges, file.edges.total, kRequiredEdge, edges);
+  src.edge_class = deliver_marks_of(comm, file.edges, edges);
+  std::vector<Mark<std::uint8_t>> triangles;
+  mark_list(file.required_triangles, file.triangles.total, std::uint8_t{1}, triangles);
+  src.triangle_required = deliver_marks_of(comm, file.triangles, triangles);
+  std::vector<Mark<TetClass>> tets;
+  mark_list(file.required_tets, file.tets.total, kRequiredTet, tets);
+  src.tet_class = deliver_marks_of(comm, file.tets, tets);
+  deliver_vertex_classes(src);
   return src;
 }
 
@@ -139,7 +142,9 @@ struct FileTet {
   std::array<GlobalId, 4> verts;
   std::uint64_t key;
   std::int64_t number;
-  std::int64_t ref;
+  std::int32_t ref;
+  TetClass tet_class;
+  std::array<std::uint8_t, 3> unused;
 };
 
 Inquiry<GlobalId> ask_vertices(const FileSource& src, const std::vector<GlobalId>& gids) {
@@ -199,7 +204,7 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   centre = {}, work = {};  // before the largest array is made
   std::vector<FileTet> out(verts.size());
   for (std::size_t i = 0; i < verts.size(); ++i) {
-    out[i] = {tets.verts[i], keys[i], tets.first + static_cast<std::int64_t>(i), tets.ref[i]};
+    out[i] = {tets.verts[i], keys[i], tets.first + static_cast<std::int64_t>(i), tets.ref[i], src.tet_class[i], {}};
   }
   return out;
 }
@@ -220,11 +225,13 @@ Growing gather_tets(const FileSource& src) {
   g.gid2vert = GidMap(order.size() / 4 + 16, src.file.total_verts);
   m.tet2vert.resize(order.size());
   m.tet_ref.resize(order.size());
+  m.tet_class.resize(order.size());
   g.tet_number.resize(order.size());
   for (const TetId t : IdRange<TetId>(order.size())) {
     const FileTet& in = got.items[order[idx(t)].index];
     for (std::size_t k = 0; k < 4; ++k) m.tet2vert[t][k] = g.gid2vert.insert(in.verts[k]);
-    m.tet_ref[t] = static_cast<std::int32_t>(in.ref);
+    m.tet_ref[t] = in.ref;
+    m.tet_class[t] = in.tet_class;
     g.tet_number[t] = in.number;
   }
   return g;

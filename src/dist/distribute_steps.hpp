@@ -29,8 +29,9 @@ struct FileSource {
   const DistributeOptions& options;
   Blocks vert_blocks;
   std::vector<VertClass> vert_class;            ///< kSurface: on a triangle; kRidge: on an edge; kCorner; kRequired
-  std::vector<std::uint8_t> edge_is_ridge;      ///< by local edge
+  std::vector<FeatureClass> edge_class;         ///< by local edge: kRidgeEdge, kRequiredEdge
   std::vector<std::uint8_t> triangle_required;  ///< by local triangle
+  std::vector<TetClass> tet_class;              ///< by local tetrahedron
 };
 
 /// The distributed mesh, as far as the steps have built it.
@@ -58,5 +59,8 @@ FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice
 Growing place_tets(const FileSource& src, DistributeReport& report);
 void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& report);
 void find_features(const FileSource& src, Growing& g, DistributeReport& report);
+/// Collective. The part of find_features that looks at the tagged faces of each feature edge: kThinEdge, kContactEdge,
+/// and at vertices kThin, kContact, and kCorner where the faces of two feature edges differ.
+void classify_features(const Comm& comm, Growing& g);
 
 }  // namespace skein::distributing

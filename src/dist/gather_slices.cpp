@@ -81,6 +81,7 @@ std::vector<FeatureEdge> edges_to_write(const Comm& comm, const DistMesh& dist) 
   IdVector<VertId, char> shared(dist.mesh.vert_slots(), 0);
   for (const VertId v : dist.sharing.vert) shared[v] = 1;
   std::vector<FeatureEdge> edges(dist.mesh.features.list());
+  std::erase_if(edges, [](const FeatureEdge& e) { return e.has(kImpliedEdge); });
   std::sort(edges.begin(), edges.end(),
             [](const FeatureEdge& e, const FeatureEdge& f) { return std::pair(e.a, e.b) < std::pair(f.a, f.b); });
   std::vector<std::uint8_t> write(edges.size(), 1);
@@ -135,6 +136,9 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
   s.tets.verts.reserve(m.tet_slots());
   for (const auto& v : m.tet2vert) s.tets.verts.push_back({gid(v[0]), gid(v[1]), gid(v[2]), gid(v[3])});
   place(comm, s.tets.verts.size(), s.tets.first, s.tets.total);
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (m.has(t, kRequiredTet)) s.required_tets.verts.push_back(GlobalId{s.tets.first + num(t)});
+  }
 
   const auto faces = faces_to_write(comm, dist);
   place(comm, faces.size(), s.triangles.first, s.triangles.total);
@@ -149,11 +153,14 @@ MeshSlice to_slices(const Comm& comm, const DistMesh& dist) {
   const auto edges = edges_to_write(comm, dist);
   place(comm, edges.size(), s.edges.first, s.edges.total);
   for (const auto& e : edges) {
-    if (e.ridge) s.ridges.verts.push_back(to_id<GlobalId>(s.edges.first + std::ssize(s.edges.verts)));
+    const auto number = to_id<GlobalId>(s.edges.first + std::ssize(s.edges.verts));
+    if (e.has(kRidgeEdge)) s.ridges.verts.push_back(number);
+    if (e.has(kRequiredEdge)) s.required_edges.verts.push_back(number);
     s.edges.verts.push_back({gid(e.a), gid(e.b)});
     s.edges.ref.push_back(e.ref);
   }
-  for (VertexListSlice* list : {&s.corners, &s.ridges, &s.required_verts, &s.required_edges, &s.required_triangles})
+  for (VertexListSlice* list :
+       {&s.corners, &s.ridges, &s.required_verts, &s.required_edges, &s.required_triangles, &s.required_tets})
     place(comm, *list);
   return s;
 }

@@ -30,13 +30,15 @@ struct MovedTet {
   std::array<std::int32_t, 4> face;
   std::array<FaceTag, 4> tag;
   std::int32_t ref;
+  TetClass tet_class;
+  std::array<std::uint8_t, 3> unused;
 };
 struct MovedVert {
   GlobalId gid;
   std::int64_t shared;
 };
 struct MovedFeature {
-  std::int32_t a, b, ref, ridge;
+  std::int32_t a, b, ref, edge_class;
 };
 struct Load {
   Packets<MovedTet> tets;
@@ -141,7 +143,7 @@ class Packer {
     auto it = std::lower_bound(features_.begin(), features_.end(), FeatureUse{r, 0});
     for (; it != features_.end() && it->first == r; ++it) {
       const FeatureEdge& e = edges[it->second];
-      load_.features.items.push_back({number_[e.a], number_[e.b], e.ref, e.ridge ? 1 : 0});
+      load_.features.items.push_back({number_[e.a], number_[e.b], e.ref, static_cast<std::int32_t>(e.edge_class)});
     }
     close_block(load_.features, r);
     for (std::size_t k = first_; k < used_.size(); ++k) number_[used_[k]] = -1;
@@ -166,6 +168,7 @@ class Packer {
     }
     out.tag = m.face_tag[t];
     out.ref = m.tet_ref[t];
+    out.tet_class = m.tet_class[t];
     load_.tets.items.push_back(out);
   }
 
@@ -350,10 +353,11 @@ class Arrival {
         }
         m_.face_tag[t] = in.tag;
         m_.tet_ref[t] = in.ref;
+        m_.tet_class[t] = in.tet_class;
       }
       if (feature_block < load_.features.blocks() && load_.features.rank[feature_block] == load_.tets.rank[b]) {
         for (const auto& e : load_.features.block(feature_block))
-          m_.features.insert({vert[e.a], vert[e.b], e.ref, e.ridge != 0});
+          m_.features.insert({vert[e.a], vert[e.b], e.ref, static_cast<FeatureClass>(e.edge_class)});
         ++feature_block;
       }
     }

@@ -210,7 +210,7 @@ void check_shared(const Comm& comm, const DistMesh& dist, Fault& fault) {
     const VertId v = dist.sharing.vert[i];
     const SharedVertex item{dist.vert2gid[v], fingerprint(dist, v),
                             static_cast<std::int64_t>(dist.sharing.others(i).size()),
-                            static_cast<std::int64_t>(dist.mesh.vert_class[v] & (kCorner | kRequired))};
+                            static_cast<std::int64_t>(dist.mesh.vert_class[v] & kStays)};
     if (item.gid != dist.sharing.gid[i])
       fault.tell("vertex {} (global id) has another id in the sharing list", num(item.gid));
     for (const Rank r : dist.sharing.others(i)) {

@@ -10,7 +10,7 @@
 namespace skein::io {
 namespace {
 
-constexpr std::array<KeywordInfo, 23> kTable{{
+constexpr std::array<KeywordInfo, 24> kTable{{
     {3, "Dimension", "dimension", false},
     {4, "Vertices", "vertex", false},
     {5, "Edges", "edge", false},
@@ -19,6 +19,7 @@ constexpr std::array<KeywordInfo, 23> kTable{{
     {8, "Tetrahedra", "tetrahedron", false},
     {9, "Prisms", "prism", true},
     {10, "Hexahedra", "hexahedron", true},
+    {12, "RequiredTetrahedra", "required tetrahedron", false},
     {13, "Corners", "corner", false},
     {14, "Ridges", "ridge", false},
     {15, "RequiredVertices", "required vertex", false},

@@ -16,6 +16,7 @@ enum class Keyword : std::int32_t {
   kEdges = 5,
   kTriangles = 6,
   kTetrahedra = 8,
+  kRequiredTetrahedra = 12,  ///< as Mmg writes it
   kCorners = 13,
   kRidges = 14,
   kRequiredVertices = 15,
@@ -53,7 +54,7 @@ struct RecordSpec {
   int width = 0;
   int indices = 0;
   std::int64_t limit = 0;  ///< number of entities that the indices can name
-  Keyword named{};         ///< the entities that the indices name: kVertices, kEdges or kTriangles
+  Keyword named{};         ///< the entities that the indices name: kVertices, kEdges, kTriangles or kTetrahedra
 };
 /// Throws the Error for number `value` at `field` of record `record` (from 0).
 [[noreturn]] void throw_bad_number(const std::string& where, const RecordSpec& spec, std::int64_t record, int field,
@@ -115,6 +116,7 @@ void for_each_section(Mesh& mesh, F&& f) {
   call(Keyword::kTriangles, mesh.triangles, Keyword::kVertices, mesh.total_verts);
   call(Keyword::kRequiredTriangles, mesh.required_triangles, Keyword::kTriangles, mesh.triangles.total);
   call(Keyword::kTetrahedra, mesh.tets, Keyword::kVertices, mesh.total_verts);
+  call(Keyword::kRequiredTetrahedra, mesh.required_tets, Keyword::kTetrahedra, mesh.tets.total);
 }
 
 }  // namespace skein::io

@@ -104,7 +104,10 @@ void Cavity::enter_outer_faces() {
       e.open = false;
       // A vertex may lose all its old tetrahedra without getting a new one; then it goes on with one outside.
       if (nb != kNoFace) {
-        for (const VertId w : v) part_->mesh.vert2tet[w] = face_tet(nb);
+        for (const VertId w : v) {
+          part_->mesh.vert2tet[w] = face_tet(nb);
+          if (!part_->contacts.empty() && m.has(w, kContact)) part_->contacts.note(m, w, face_tet(nb));
+        }
       }
     }
   }
@@ -127,6 +130,16 @@ void Cavity::enter_outer_faces() {
   }
 }
 
+void Cavity::note_contacts() {
+  Part& p = *part_;
+  if (p.contacts.empty()) return;
+  for (const TetId t : slots_) {
+    for (const VertId v : p.mesh.tet2vert[t]) {
+      if (p.mesh.has(v, kContact)) p.contacts.note(p.mesh, v, t);
+    }
+  }
+}
+
 TetId Cavity::take_slot(std::size_t i) {
   if (i < old_.size()) return old_[i];
   Part& p = *part_;
@@ -139,6 +152,7 @@ TetId Cavity::take_slot(std::size_t i) {
   p.mesh.tet2face.push_back({});
   p.mesh.face_tag.push_back({});
   p.mesh.tet_ref.push_back(0);
+  p.mesh.tet_class.push_back({});
   p.q3.push_back(0);
   p.dirty.push_back(0);
   p.refused.push_back(0);
@@ -197,6 +211,7 @@ void Cavity::commit() {
   }
   for (const TetId t : slots_) link(t);
   free_rest(fresh_.size());
+  note_contacts();
 }
 
 void Cavity::commit_cone(VertId apex, std::span<const BorderFace> border, const Cone& cone,
@@ -243,6 +258,7 @@ void Cavity::commit_cone(VertId apex, std::span<const BorderFace> border, const 
   }
   for (const VertId v : link) p.vert_mark[v] = 0;
   free_rest(border.size());
+  note_contacts();
 }
 
 void Cavity::link_behind(TetId t, std::size_t side, FaceId behind, FaceTag tag) noexcept {
@@ -339,6 +355,7 @@ void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles
     m.vert2tet[s.a] = t[1];
   }
   free_rest(2 * triangles.size());
+  note_contacts();
 }
 
 void Cavity::free_rest(std::size_t used) {

@@ -104,6 +104,8 @@ class Cavity {
   /// The slot of the i-th new tetrahedron: the old ones' first.
   TetId take_slot(std::size_t i);
   void link_behind(TetId t, std::size_t side, FaceId behind, FaceTag tag) noexcept;
+  /// The new tetrahedra are at these vertices where bodies touch.
+  void note_contacts();
   /// Gives back the old ones' slots from the number `used` on.
   void free_rest(std::size_t used);
   void link(TetId t);

@@ -154,6 +154,8 @@ class InterfaceRefiner {
 void InterfaceRefiner::enqueue(VertId a, VertId b) {
   const bool keep_a = keep_.has(part_.mesh, a), keep_b = keep_.has(part_.mesh, b);
   if (keep_a && keep_b) return;
+  const FeatureEdge* feature = part_.mesh.feature(a, b);
+  if (feature != nullptr && feature->has(kRequiredEdge | kContactEdge)) return;
   if ((keep_a && generation(b) >= kDeepest) || (keep_b && generation(a) >= kDeepest)) return;
   if (gid_[b] < gid_[a]) std::swap(a, b);
   const double l = shared_length(part_, a, b);
@@ -250,9 +252,10 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
     left = kNoTet;
     faces_.for_each(a, b, [&](const Third& d) { left = d.tet; });
   }
-  if (m.feature(a, b) != nullptr) {
+  const FeatureEdge* feature = m.feature(a, b);
+  if (feature != nullptr) {
+    m.vert_class[p] |= kRidge | class_on(feature->edge_class);
     m.features.split(a, b, p);
-    m.vert_class[p] |= kRidge;
   }
   ++part_.counts.insert;
   enqueue(a, p);

@@ -41,6 +41,13 @@ void prepare(Part& p) {
       p.free_tets.push_back(t);
     }
   }
+  find_special_features(p);
+}
+
+void find_special_features(Part& p) {
+  p.contacts.find(p.mesh);
+  p.has_thin =
+      std::any_of(p.mesh.vert_class.begin(), p.mesh.vert_class.end(), [](VertClass c) { return any(c & kThin); });
 }
 
 std::int64_t expected_points(const TetMesh& m) {
@@ -78,6 +85,7 @@ IdVector<VertId, VertId> compact(Part& p) {
   p.tet_stamp = p.vert_stamp = 0;
   p.free_tets.clear();
   p.free_verts.clear();
+  if (!p.contacts.empty()) p.contacts.find(p.mesh);
   return verts;
 }
 

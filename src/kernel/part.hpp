@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/geometry.hpp"
+#include "kernel/contact.hpp"
 #include "kernel/method.hpp"
 #include "mesh/tet_mesh.hpp"
 #include "metric/mesh_metric.hpp"
@@ -131,6 +132,8 @@ struct Part {
   std::vector<VertId> free_verts;
   IdVector<TetId, std::uint8_t> dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it
   IdVector<TetId, EdgeBits> edges;
+  ContactFans contacts;
+  bool has_thin = false;  ///< there are kThin vertices
 
   [[nodiscard]] std::int64_t live_verts() const noexcept {
     return std::ssize(mesh.coords.raw()) - std::ssize(free_verts);
@@ -207,6 +210,9 @@ double quality_cubed(const Part& part, TetId t) noexcept;
 VertId new_vertex(Part& part, Vec3 x, const SymTensor& log_m, VertClass vert_class, VertState state = {});
 /// Gives a vertex slot back. @pre no live tetrahedron has it.
 void drop_vertex(Part& part, VertId v);
+
+/// Finds what prepare() finds once: contacts and thin edges.
+void find_special_features(Part& part);
 
 /// Calls visit(edge, a, b, la, lb) for the edges in the mask (bits of kEdgeVerts), with their lengths in the metrics of
 /// their ends.

@@ -44,7 +44,7 @@ void Passes::count_poor(double target) {
   for (const TetId t : IdRange<TetId>(part_.mesh.tet_slots())) {
     if (part_.q3[t] >= limit || !part_.mesh.is_live(t) || !part_.active(t)) continue;
     OperationCounts& c = part_.counts;
-    const bool boundary = part_.has_any(t, kSurface | kRidge | kCorner | kRequired);
+    const bool boundary = part_.has_any(t, kSurface | kRidge | kStays);
     ++(part_.has_any(t, kFrozen) ? c.poor_at_interface : boundary ? c.poor_at_boundary : c.poor_inside);
   }
 }

@@ -123,6 +123,13 @@ bool gather_ball(Part& p, VertId v, std::vector<TetId>& ball, std::size_t max) {
   const std::size_t begin = ball.size();
   p.tet_mark[p.mesh.vert2tet[v]] = stamp;
   ball.push_back(p.mesh.vert2tet[v]);
+  if (!p.contacts.empty()) {
+    for (const TetId t : p.contacts.at(v)) {
+      if (!ContactFans::is_at(p.mesh, t, v) || p.tet_mark[t] == stamp) continue;
+      p.tet_mark[t] = stamp;
+      ball.push_back(t);
+    }
+  }
   return walk_ball(p.mesh, v, ball, begin, max, [&](FaceId f) {
     const TetId nb = face_tet(f);
     if (p.tet_mark[nb] == stamp) return true;

@@ -55,8 +55,8 @@ bool walk_ball(const TetMesh& mesh, VertId v, std::vector<TetId>& ball, std::siz
   return true;
 }
 
-/// Appends the tetrahedra at v to `ball`, marking them with a new stamp (Part::tet_stamp). False when there are more
-/// than `max`.
+/// Appends all tetrahedra at v, whether they hang together or not, to `ball`, marking them with a new stamp
+/// (Part::tet_stamp). False when there are more than `max`.
 bool gather_ball(Part& part, VertId v, std::vector<TetId>& ball, std::size_t max = 1000);
 
 }  // namespace skein

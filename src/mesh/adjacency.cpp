@@ -116,7 +116,7 @@ Box bounding_box(const TetMesh& m) noexcept {
 
 FeatureEdges renumbered(const FeatureEdges& old, const IdVector<VertId, VertId>& old2new) {
   FeatureEdges out;
-  for (const auto& e : old.list()) out.insert({old2new[e.a], old2new[e.b], e.ref, e.ridge});
+  for (const auto& e : old.list()) out.insert({old2new[e.a], old2new[e.b], e.ref, e.edge_class});
   return out;
 }
 
@@ -170,6 +170,7 @@ IdVector<VertId, VertId> compact(TetMesh& m, IdVector<TetId, TetId>* tet_map) {
   gather(m.tet2face, tet_new2old);
   gather(m.face_tag, tet_new2old);
   gather(m.tet_ref, tet_new2old);
+  gather(m.tet_class, tet_new2old);
   for (auto& tv : m.tet2vert) {
     for (auto& v : tv) v = old2new[v];
   }
@@ -213,6 +214,7 @@ IdVector<VertId, VertId> squeeze(TetMesh& m) {
   squeeze(m.tet2face, tets, nt);
   squeeze(m.face_tag, tets, nt);
   squeeze(m.tet_ref, tets, nt);
+  squeeze(m.tet_class, tets, nt);
   for_each_vert_column(m, [&](auto& c) { squeeze_column(c, verts, nv); });
   squeeze(m.vert2tet, verts, nv);
   m.features = renumbered(m.features, verts);

@@ -46,9 +46,9 @@ std::string check_faces(const TetMesh& m, TetId t) {
 std::string check_sizes(const TetMesh& m) {
   const std::size_t nv = m.vert_slots(), nt = m.tet_slots();
   if (m.vert2tet.size() != nv) return fmt::format("vert2tet has {} entries for {} vertices", m.vert2tet.size(), nv);
-  if (m.tet2face.size() != nt || m.face_tag.size() != nt || m.tet_ref.size() != nt) {
-    return fmt::format("the arrays of the {} tetrahedra have {}, {} and {} entries", nt, m.tet2face.size(),
-                       m.face_tag.size(), m.tet_ref.size());
+  if (m.tet2face.size() != nt || m.face_tag.size() != nt || m.tet_ref.size() != nt || m.tet_class.size() != nt) {
+    return fmt::format("the arrays of the {} tetrahedra have {}, {}, {} and {} entries", nt, m.tet2face.size(),
+                       m.face_tag.size(), m.tet_ref.size(), m.tet_class.size());
   }
   std::string fault;
   int column = 0;

@@ -75,8 +75,8 @@ void FeatureEdges::erase(VertId a, VertId b) noexcept {
 void FeatureEdges::split(VertId a, VertId b, VertId p) {
   const FeatureEdge e = *find(a, b);
   erase(a, b);
-  insert({a, p, e.ref, e.ridge});
-  insert({p, b, e.ref, e.ridge});
+  insert({a, p, e.ref, e.edge_class});
+  insert({p, b, e.ref, e.edge_class});
 }
 
 void FeatureEdges::clear() noexcept {

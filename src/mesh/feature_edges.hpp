@@ -1,17 +1,31 @@
-// The feature edges of a mesh: ridges and edges with a reference, found by their two vertices.
+// The feature edges of a mesh: ridges, lines, rims and edges with a reference, found by their two vertices.
 #pragma once
 #include <cstdint>
 #include <vector>
 
+#include "base/flag_set.hpp"
 #include "base/ids.hpp"
 
 namespace skein {
 
-/// One feature edge. `ridge` edges keep their geometry; an edge with a reference only is kept, too.
+/// What a feature edge is; a set of flags. An edge without any is kept for its reference.
+enum class FeatureClass : std::uint8_t {
+  kRidgeEdge = 1,     ///< a ridge of the surface
+  kRequiredEdge = 2,  ///< given as required, or an edge of a required triangle or tetrahedron: never split, never gone
+  kContactEdge = 4,   ///< bodies touch along it: more than two hull faces have it
+  kThinEdge = 8,      ///< at most one tagged face has it: a line inside a region, or the free rim of a sheet
+  kImpliedEdge = 16,  ///< an edge of a required triangle or tetrahedron, of no use otherwise: not written
+};
+using enum FeatureClass;
+template <>
+inline constexpr bool kIsFlagSet<FeatureClass> = true;
+
+/// One feature edge: all of them are kept, as chains of edges of tetrahedra.
 struct FeatureEdge {
   VertId a = kNoVert, b = kNoVert;  ///< a < b
   std::int32_t ref = 0;
-  bool ridge = false;
+  FeatureClass edge_class{};
+  [[nodiscard]] bool has(FeatureClass flags) const noexcept { return any(edge_class & flags); }
 };
 
 /// Open-addressing hash set of feature edges. Few against the tetrahedra; asked only when both ends carry kRidge or

@@ -22,6 +22,7 @@ void move_tet(TetMesh& m, TetId from, TetId to) {
   m.tet2face[to] = m.tet2face[from];
   m.face_tag[to] = m.face_tag[from];
   m.tet_ref[to] = m.tet_ref[from];
+  m.tet_class[to] = m.tet_class[from];
   for (const VertId v : m.tet2vert[to]) m.vert2tet[v] = to;
   for (std::size_t k = 0; k < 4; ++k) {
     const FaceId f = m.tet2face[to][k];
@@ -83,6 +84,7 @@ void resize_tets(TetMesh& m, std::size_t n) {
   resize(m.tet2face, n);
   resize(m.face_tag, n);
   resize(m.tet_ref, n);
+  resize(m.tet_class, n);
 }
 
 void resize_vert2tet(TetMesh& m, std::size_t n) {
@@ -116,7 +118,7 @@ void follow(TetMesh& m, const MovedVerts& now, int threads) {
   for (const FeatureEdge& e : edges) {
     if (!now.moves(e.a) && !now.moves(e.b)) continue;
     m.features.erase(e.a, e.b);
-    m.features.insert({now(e.a), now(e.b), e.ref, e.ridge});
+    m.features.insert({now(e.a), now(e.b), e.ref, e.edge_class});
   }
 }
 

@@ -20,7 +20,7 @@ struct EntitySlice {
 };
 struct VertexListSlice {
   std::int64_t total = 0, first = 0;
-  std::vector<GlobalId> verts;  ///< for ridges and required edges/triangles: entity numbers from 0
+  std::vector<GlobalId> verts;  ///< for ridges and required edges, triangles, tetrahedra: entity numbers from 0
 };
 
 /// A rank's even slices (comm/file.hpp, even_slice) of the entities of a mesh file. Nothing is checked but counts,
@@ -39,6 +39,7 @@ struct MeshSlice {
   VertexListSlice required_verts;      ///< vertex numbers
   VertexListSlice required_edges;      ///< edge numbers
   VertexListSlice required_triangles;  ///< triangle numbers
+  VertexListSlice required_tets;       ///< tetrahedron numbers
 };
 
 enum class FieldKind : std::int32_t { kScalar = 1, kVector = 2, kTensor = 3 };

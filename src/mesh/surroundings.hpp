@@ -62,11 +62,14 @@ class Surroundings {
     add_tets();
   }
 
-  /// All tetrahedra at the vertices so far. The tetrahedra at a vertex hang together over faces; where they do not, on
-  /// the interface between ranks, the vertex is frozen and it does no harm to miss some.
+  /// All tetrahedra at the vertices so far. The tetrahedra at a vertex hang together over faces, unless bodies touch
+  /// there; where they do not on the interface between ranks, the vertex is frozen and it does no harm to miss some.
   void add_tets() {
     const std::size_t fresh = verts_.size() - searched_;
+    const bool contact = std::any_of(verts_.begin() + static_cast<std::ptrdiff_t>(searched_), verts_.end(),
+                                     [&](VertId v) { return m_.has(v, kContact); });
     searched_ = verts_.size();
+    if (contact) enter_open();
     if (kScanFrom * fresh > m_.tet_slots()) {
       look_at_all();
       return;

@@ -25,6 +25,19 @@ inline constexpr std::array<std::array<std::size_t, 3>, 4> kFaceVerts{{{1, 2, 3}
 /// The two vertices of each of the six edges.
 inline constexpr std::array<std::array<std::size_t, 2>, 6> kEdgeVerts{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
+/// What a tetrahedron is; a set of flags.
+enum class TetClass : std::uint8_t {
+  kRequiredTet = 1,  ///< given as required: kept as it is
+};
+using enum TetClass;
+template <>
+inline constexpr bool kIsFlagSet<TetClass> = true;
+
+/// The flags of a vertex on such a feature edge.
+constexpr VertClass class_on(FeatureClass edge) noexcept {
+  return (any(edge & kThinEdge) ? kThin : VertClass{}) | (any(edge & kContactEdge) ? kContact : VertClass{});
+}
+
 /// Tetrahedra with adjacency. A tetrahedron is oriented so that det(v1-v0, v2-v0, v3-v0) > 0.
 /// A free slot has tet2vert[t][0] == kNoVert; a free vertex has vert2tet == kNoTet.
 /// A face with tet2face == kNoFace is on the hull (tag has kHullFace) or on the interface to another part.
@@ -35,9 +48,10 @@ struct TetMesh : VertColumns {
   IdVector<TetId, std::array<FaceId, 4>> tet2face;  ///< the face of the neighbour that is this face
   IdVector<TetId, std::array<FaceTag, 4>> face_tag;
   IdVector<TetId, std::int32_t> tet_ref;
+  IdVector<TetId, TetClass> tet_class;
   // for the whole mesh
   std::vector<std::int32_t> patch_ref;  ///< file reference of each patch; the same on every rank
-  FeatureEdges features;                ///< ridges and referenced edges
+  FeatureEdges features;                ///< ridges, lines, rims, and edges with a reference
 
   [[nodiscard]] std::size_t vert_slots() const noexcept { return coords.size(); }
   [[nodiscard]] std::size_t tet_slots() const noexcept { return tet2vert.size(); }
@@ -47,6 +61,7 @@ struct TetMesh : VertColumns {
     tet2face.reserve(tets);
     face_tag.reserve(tets);
     tet_ref.reserve(tets);
+    tet_class.reserve(tets);
   }
   /// Room in the columns that are there, and in those that always are.
   void reserve_verts(std::size_t verts) {
@@ -89,6 +104,7 @@ struct TetMesh : VertColumns {
   [[nodiscard]] bool is_live(VertId v) const noexcept { return vert2tet[v] != kNoTet; }
   /// The vertex has one of these flags.
   [[nodiscard]] bool has(VertId v, VertClass flags) const noexcept { return any(vert_class[v] & flags); }
+  [[nodiscard]] bool has(TetId t, TetClass flags) const noexcept { return any(tet_class[t] & flags); }
   [[nodiscard]] bool has(VertId v, VertState flags) const noexcept { return any(vert_state[v] & flags); }
 };
 

@@ -23,6 +23,9 @@ enum class VertClass : std::uint8_t {
   kRidge = 2,     ///< lies on a feature edge
   kCorner = 4,    ///< never moves, never goes (end or junction of feature edges, or given as corner)
   kRequired = 8,  ///< given as required: never moves, never goes
+  kContact = 16,  ///< bodies touch here: its tetrahedra need not hang together over faces
+  kThin = 32,     ///< lies on a feature edge that at most one tagged face has (kThinEdge)
+  kFixed = 64,    ///< of a required edge, triangle or tetrahedron: never moves, never goes
 };
 /// What is to be done at a vertex; a set of flags.
 enum class VertState : std::uint8_t {
@@ -36,6 +39,8 @@ using enum VertClass;
 using enum VertState;
 template <>
 inline constexpr bool kIsFlagSet<VertClass> = true;
+/// A vertex with one of these stays where it is.
+inline constexpr VertClass kStays{8 | 4 | 64};
 template <>
 inline constexpr bool kIsFlagSet<VertState> = true;
 

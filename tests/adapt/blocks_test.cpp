@@ -46,7 +46,7 @@ Items content(const TetMesh& m) {
     put(b, m, e.b);
     if (b < a) std::swap(a, b);
     a.insert(a.end(), b.begin(), b.end());
-    a.insert(a.end(), {double(e.ref), double(e.ridge)});
+    a.insert(a.end(), {double(e.ref), double(e.edge_class)});
     out.insert(a);
   }
   return out;
@@ -103,7 +103,7 @@ IdVector<VertId, VertId> make_gaps(Part& p, std::size_t n) {
     for (VertId& v : tv) v = old2new[v];
   }
   FeatureEdges features;
-  for (const auto& e : m.features.list()) features.insert({old2new[e.a], old2new[e.b], e.ref, e.ridge});
+  for (const auto& e : m.features.list()) features.insert({old2new[e.a], old2new[e.b], e.ref, e.edge_class});
   m.features = std::move(features);
   for (std::size_t i = 0; i < nt; ++i) {
     const auto t = to_id<TetId>(2 * i);

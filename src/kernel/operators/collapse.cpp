@@ -11,7 +11,7 @@ constexpr std::size_t kMaxBall = 200;  ///< tetrahedra; no mesh worth keeping ha
 
 bool Collapser::may_leave(VertId v, VertId u) const noexcept {
   const TetMesh& m = part_->mesh;
-  if (m.has(v, kFrozen) || m.has(v, kCorner | kRequired)) return false;
+  if (m.has(v, kFrozen) || m.has(v, kStays)) return false;
   if (m.has(v, kSurface | kRidge) && !part_->options.may_change_surface()) return false;
   if (m.has(v, kRidge)) return m.has(u, kRidge | kCorner) && m.features.find(v, u) != nullptr;
   if (m.has(v, kSurface)) return m.has(u, kSurface);
@@ -35,16 +35,23 @@ void Collapser::collect_facets(VertId v) {
   }
 }
 
-bool Collapser::ridge_allows(VertId v, VertId u) {
+void Collapser::list_feature_ends(VertId v) {
   const TetMesh& m = part_->mesh;
-  for (const Facet& f : facets_) {
-    for (const VertId w : {f.x, f.y}) {
-      // The other end of the ridge at v.
-      if (w == u || !m.has(w, kRidge | kCorner) || m.features.find(v, w) == nullptr) continue;
-      if (!part_->geometry->allows_ridge_collapse(m, v, u, w)) return false;
+  feature_ends_.clear();
+  for (const TetId t : cavity_->old_tets()) {
+    for (const VertId w : m.tet2vert[t]) {
+      if (w == v || !m.has(w, kRidge | kCorner) || m.features.find(v, w) == nullptr) continue;
+      if (std::find(feature_ends_.begin(), feature_ends_.end(), w) == feature_ends_.end()) feature_ends_.push_back(w);
     }
   }
-  return true;
+}
+
+bool Collapser::features_allow(VertId v, VertId u) const {
+  const TetMesh& m = part_->mesh;
+  return std::all_of(feature_ends_.begin(), feature_ends_.end(), [&](VertId w) {
+    // A loop of three feature edges would become one edge.
+    return w == u || (m.features.find(u, w) == nullptr && part_->geometry->allows_ridge_collapse(m, v, u, w));
+  });
 }
 
 bool Collapser::surface_allows(VertId v, VertId u) {
@@ -69,20 +76,39 @@ bool Collapser::links_meet_in_facets(VertId v, VertId u) {
     if (f.y == u) part_->vert_mark[f.x] = 0;
   }
   const std::uint32_t keep = part_->tet_stamp;
-  ball_u_.clear();
+  ball_u_.clear();  // all of it, also where bodies touch
   bool ok = gather_ball(*part_, u, ball_u_);
   for (std::size_t i = 0; i < ball_u_.size() && ok; ++i) {
     const TetId t = ball_u_[i];
     for (std::size_t f = 0; f < 4 && ok; ++f) {
       if (m.face_tag[t][f] == 0 || m.tet2vert[t][f] == u) continue;
-      for (const VertId w : m.verts(make_face(t, f))) {
-        if (w != u && w != v && part_->vert_mark[w] == stamp) ok = false;
-      }
+      auto k = m.verts(make_face(t, f));
+      while (k[0] != u) std::rotate(k.begin(), k.begin() + 1, k.end());
+      if (k[1] == v || k[2] == v) continue;
+      ok = part_->vert_mark[k[1]] != stamp && part_->vert_mark[k[2]] != stamp && !has_facet(k[1], k[2]);
     }
   }
   // Restore the cavity's marks that gather_ball has overwritten.
   for (const TetId t : cavity_->old_tets()) part_->tet_mark[t] = keep;
   return ok;
+}
+
+bool Collapser::has_facet(VertId x, VertId y) const noexcept {
+  return std::any_of(facets_.begin(), facets_.end(),
+                     [&](const Facet& f) { return (f.x == x && f.y == y) || (f.x == y && f.y == x); });
+}
+
+template <class Fits>
+bool Collapser::add_fans(VertId v, VertId u, Fits&& fits) {
+  const TetMesh& m = part_->mesh;
+  for (const TetId t : part_->contacts.at(v)) {
+    if (!ContactFans::is_at(m, t, v) || cavity_->contains(t)) continue;
+    for (const VertId w : m.tet2vert[t]) {
+      if (w != v && w != u && !fits(w)) return false;
+    }
+    cavity_->add(t);
+  }
+  return true;
 }
 
 bool Collapser::gather_within(VertId v, VertId u, TetId at, double max_length) {
@@ -98,6 +124,7 @@ bool Collapser::gather_within(VertId v, VertId u, TetId at, double max_length) {
   };
   const auto fits = [&](VertId w) { return w == u || !p.is_longer(u, w, max_length) || is_neighbour(w); };
   cavity_->add(at);
+  if (!part_->contacts.empty() && !add_fans(v, u, fits)) return false;
   return walk_ball(m, v, cavity_->old_tets(), 0, kMaxBall, [&](FaceId f) {
     const TetId nb = face_tet(f);
     if (cavity_->contains(nb)) return true;
@@ -136,14 +163,10 @@ bool Collapser::cone(VertId v, VertId u, double floor_q3) {
 
 void Collapser::move_features(VertId v, VertId u) {
   TetMesh& m = part_->mesh;
-  for (const Facet& f : facets_) {
-    for (const VertId w : {f.x, f.y}) {
-      const FeatureEdge* e = m.features.find(v, w);
-      if (e == nullptr) continue;
-      const FeatureEdge old = *e;
-      m.features.erase(v, w);
-      if (w != u && m.features.find(u, w) == nullptr) m.features.insert({u, w, old.ref, old.ridge});
-    }
+  for (const VertId w : feature_ends_) {
+    const FeatureEdge old = *m.features.find(v, w);
+    m.features.erase(v, w);
+    if (w != u) m.features.insert({u, w, old.ref, old.edge_class});
   }
 }
 
@@ -152,8 +175,8 @@ void Collapser::commit(VertId v, VertId u) {
     for (const Facet& f : facets_) {
       if (f.x != u && f.y != u) cavity_->wall(u, f.x, f.y, f.tag);
     }
-    if (part_->mesh.has(v, kRidge)) move_features(v, u);
   }
+  if (part_->mesh.has(v, kRidge)) move_features(v, u);
   cavity_->commit();
   drop_vertex(*part_, v);
   ++part_->counts.collapse;
@@ -198,7 +221,10 @@ bool Collapser::collapse(VertId v, VertId u, TetId at, double max_length, const 
     if (!(cavity_->new_sum() < objective.sum_share * cavity_->old_sum())) return false;
   }
   if (m.has(v, kSurface) && !surface_allows(v, u)) return false;
-  if (m.has(v, kSurface) && m.has(v, kRidge) && !ridge_allows(v, u)) return false;
+  if (m.has(v, kRidge)) {
+    list_feature_ends(v);
+    if (!features_allow(v, u)) return false;
+  }
   commit(v, u);
   return true;
 }

@@ -1,6 +1,8 @@
 // Insertion of points as Delaunay cavities in the metric.
 #include "kernel/operators/insert.hpp"
 
+#include <algorithm>
+
 namespace skein {
 namespace {
 
@@ -70,7 +72,9 @@ void Inserter::grow(VertId p) {
       around_[inside] = around_[i];
       inside += spheres_.contain(i) ? 1 : 0;
     }
-    for (std::size_t i = 0; i < inside; ++i) cavity_->add(around_[i]);
+    for (std::size_t i = 0; i < inside; ++i) {
+      if (!m.has(around_[i], kRequiredTet)) cavity_->add(around_[i]);
+    }
   }
 }
 
@@ -199,7 +203,28 @@ bool Inserter::keeps_vertices() {
   for (const TetId t : cavity_->old_tets()) {
     for (const VertId v : part_->mesh.tet2vert[t]) inside += part_->vert_mark[v] != stamp ? 1 : 0;
   }
-  return inside == 0;
+  return inside == 0 && (!part_->has_thin || keeps_thin_edges());
+}
+
+bool Inserter::is_on_border(VertId a, VertId b) const noexcept {
+  return std::any_of(border_.begin(), border_.end(), [&](const BorderFace& f) {
+    return std::find(f.v.begin(), f.v.end(), a) != f.v.end() && std::find(f.v.begin(), f.v.end(), b) != f.v.end();
+  });
+}
+
+bool Inserter::keeps_thin_edges() const {
+  const TetMesh& m = part_->mesh;
+  for (const TetId t : cavity_->old_tets()) {
+    const auto& tv = m.tet2vert[t];
+    if (std::none_of(tv.begin(), tv.end(), [&](VertId v) { return m.has(v, kThin); })) continue;
+    for (const auto& e : kEdgeVerts) {
+      const VertId a = tv[e[0]], b = tv[e[1]];
+      if (!m.has(a, kThin) || m.feature(a, b) == nullptr) continue;
+      const bool is_split = on_edge_ && (a == shell_.a || a == shell_.b) && (b == shell_.a || b == shell_.b);
+      if (!is_split && !is_on_border(a, b)) return false;
+    }
+  }
+  return true;
 }
 
 bool Inserter::link_too_close(VertId p, double min_length) {
@@ -249,15 +274,37 @@ std::optional<EdgeKind> Inserter::kind_of_edge() const noexcept {
   // Where the surface is not a manifold, a fan between hull faces may have its other fans in another part.
   const bool shared = !shell_.closed && m.has(shell_.a, kFrozen) && m.has(shell_.b, kFrozen);
   if (shell_.on_interface || shared) return {};
-  bool surface = false;
-  for (int i = 0; i < shell_.ring_size(); ++i) {
-    if ((shell_.tag[i] & kRequiredFace) != 0) return {};
-    surface = surface || shell_.tag[i] != 0;
-  }
+  if (must_stay(shell_)) return {};
+  const bool surface = shell_.tagged_faces() != 0;
   if (surface && !part.options.may_change_surface()) return {};
-  const bool feature = m.feature(shell_.a, shell_.b) != nullptr;
-  if (feature) return surface ? EdgeKind::kRidge : EdgeKind::kLine;
-  return surface ? EdgeKind::kSurface : EdgeKind::kInside;
+  const FeatureEdge* feature = m.feature(shell_.a, shell_.b);
+  if (feature == nullptr) return surface ? EdgeKind::kSurface : EdgeKind::kInside;
+  if (feature->has(kRequiredEdge)) return {};
+  return surface ? EdgeKind::kRidge : EdgeKind::kLine;
+}
+
+bool Inserter::must_stay(const Shell& shell) const noexcept {
+  const auto end = shell.tag.begin() + shell.ring_size();
+  return std::any_of(shell.tag.begin(), end, [](FaceTag tag) { return (tag & kRequiredFace) != 0; });
+}
+
+bool Inserter::gather_other_fans(TetId t, VertId a, VertId b) {
+  other_fans_.clear();
+  const TetMesh& m = part_->mesh;
+  const auto known = [&](TetId at) {
+    const auto has = [&](const Shell& s) {
+      return std::find(s.tet.begin(), s.tet.begin() + s.n, at) != s.tet.begin() + s.n;
+    };
+    return has(shell_) || std::any_of(other_fans_.begin(), other_fans_.end(), has);
+  };
+  fan_ball_.clear();
+  if (!gather_ball(*part_, a, fan_ball_)) return false;
+  for (const TetId at : fan_ball_) {
+    if (!has_vertex(m.tet2vert[at], b) || at == t || known(at)) continue;
+    Shell& fan = other_fans_.emplace_back();
+    if (!gather_shell(m, at, a, b, fan) || fan.on_interface || must_stay(fan)) return false;
+  }
+  return true;
 }
 
 Vec3 Inserter::place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const {
@@ -266,18 +313,23 @@ Vec3 Inserter::place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const 
   return part.geometry->between(part.mesh, a, b, s, kind);
 }
 
-void Inserter::split_boundary(VertId p) {
-  const VertId a = shell_.a, b = shell_.b;
-  for (int i = 0; i < shell_.ring_size(); ++i) {
-    if (shell_.tag[i] == 0) continue;
-    cavity_->wall(a, p, shell_.ring[i], shell_.tag[i]);
-    cavity_->wall(p, b, shell_.ring[i], shell_.tag[i]);
+void Inserter::split_facets(const Shell& shell, VertId p) {
+  for (int i = 0; i < shell.ring_size(); ++i) {
+    if (shell.tag[i] == 0) continue;
+    cavity_->wall(shell.a, p, shell.ring[i], shell.tag[i]);
+    cavity_->wall(p, shell.b, shell.ring[i], shell.tag[i]);
   }
+}
+
+void Inserter::split_boundary(VertId p) {
+  split_facets(shell_, p);
+  for (const Shell& fan : other_fans_) split_facets(fan, p);
   TetMesh& m = part_->mesh;
-  const FeatureEdge* feature = m.feature(a, b);
+  const FeatureEdge* feature = m.feature(shell_.a, shell_.b);
   if (feature == nullptr) return;
   m.vert_ref[p] = feature->ref;
-  m.features.split(a, b, p);
+  m.vert_class[p] |= class_on(feature->edge_class);
+  m.features.split(shell_.a, shell_.b, p);
 }
 
 InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
@@ -285,13 +337,20 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
   if (!gather_shell(part.mesh, t, a, b, shell_)) return InsertResult::kRefused;
   const auto kind = kind_of_edge();
   if (!kind) return InsertResult::kRefused;
+  other_fans_.clear();
+  const FeatureEdge* feature = *kind == EdgeKind::kRidge ? part.mesh.feature(a, b) : nullptr;
+  if (feature != nullptr && feature->has(kContactEdge) && !gather_other_fans(t, a, b)) return InsertResult::kRefused;
   on_edge_ = true;
   cavity_->clear();
   for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[i]);
+  for (const Shell& fan : other_fans_) {
+    for (int i = 0; i < fan.n; ++i) cavity_->add(fan.tet[i]);
+  }
+  const std::size_t seeds = cavity_->old_tets().size();
   const Vec3 x = place_on_edge(a, b, s, *kind);
   const SymTensor log_m = (1 - s) * part.mesh.log_metric[a] + s * part.mesh.log_metric[b];
   const VertId p = new_vertex(part, x, log_m, class_on(*kind));
-  const InsertResult result = insert(p, static_cast<std::size_t>(shell_.n), part.closest_new);
+  const InsertResult result = insert(p, seeds, part.closest_new);
   if (result != InsertResult::kDone) {
     drop_vertex(part, p);
     return result;
@@ -304,6 +363,7 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
 
 InsertResult Inserter::inside(TetId t, const std::array<double, 4>& weight, double exclusion) {
   Part& part = *part_;
+  if (part.mesh.has(t, kRequiredTet)) return InsertResult::kRefused;
   const auto v = part.mesh.tet2vert[t];
   Vec3 x;
   SymTensor log_m;

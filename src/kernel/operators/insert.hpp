@@ -35,9 +35,14 @@ class Inserter {
  private:
   /// Of the gathered shell; nothing if the edge must not be split.
   [[nodiscard]] std::optional<EdgeKind> kind_of_edge() const noexcept;
+  /// A new point may not split the faces round this edge.
+  [[nodiscard]] bool must_stay(const Shell& shell) const noexcept;
+  /// Where bodies touch along the edge: the shells of the edge in the others; false if one is too large.
+  bool gather_other_fans(TetId t, VertId a, VertId b);
   [[nodiscard]] Vec3 place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const;
-  /// The facets and the feature edge of the shell become two each, with p between.
+  /// The facets of the shells and the feature edge become two each, with p between.
   void split_boundary(VertId p);
+  void split_facets(const Shell& shell, VertId p);
   /// Q^3 of a tetrahedron on a face that can neither be split nor move, below which no new point presses it further: on
   /// a face that is longer than the metric asks for, there would always be room for one more, nearer to it.
   [[nodiscard]] double fixed_face_floor() const noexcept { return cube(part_->options.method.insert.fixed_face_floor); }
@@ -58,6 +63,9 @@ class Inserter {
   [[nodiscard]] bool neighbours_too_close(VertId p, double min_length);
   /// No vertex lies inside the cavity; link() is then what the new point gets edges to.
   [[nodiscard]] bool keeps_vertices();
+  /// Every thin feature edge, but that which is split, is an edge of the border.
+  [[nodiscard]] bool keeps_thin_edges() const;
+  [[nodiscard]] bool is_on_border(VertId a, VertId b) const noexcept;
   /// Classifies the new edges (Part::edge_class).
   [[nodiscard]] bool link_too_close(VertId p, double min_length);
   void commit(VertId p);
@@ -70,8 +78,9 @@ class Inserter {
   Cone cone_;
   Spheres spheres_;
   Shell shell_;
+  std::vector<Shell> other_fans_;
   // Scratch; what is larger than it was ever needed stays as it is.
-  std::vector<TetId> around_;
+  std::vector<TetId> around_, fan_ball_;
   struct Outer {
     std::uint32_t old, side;
   };

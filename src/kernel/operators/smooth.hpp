@@ -52,8 +52,9 @@ class Smoother {
   bool find_freedom(VertId v, Freedom& free);
   /// Notes the facets at v of the tetrahedron opposite `at` in star_; false if one is required.
   bool note_facets(VertId v, FaceId at);
-  /// Notes the ends of the feature edges at v in the face; false if there are more than two.
-  bool note_ridge_ends(VertId v, const std::array<VertId, 3>& face);
+  /// Notes the ends of the feature edges at v among these vertices; false if there are more than two.
+  template <std::size_t N>
+  bool note_ridge_ends(VertId v, const std::array<VertId, N>& verts);
 
   /// Looks for the place with the best value of the objective; the cone then has the qualities there, if true.
   bool search(VertId v, const Ball& ball, const SmoothBall& objective, Place& best);

@@ -9,9 +9,10 @@ namespace {
 constexpr std::size_t kMaxBall = 500;  ///< tetrahedra; a vertex with more of them stays
 }
 
-bool Smoother::note_ridge_ends(VertId v, const std::array<VertId, 3>& face) {
+template <std::size_t N>
+bool Smoother::note_ridge_ends(VertId v, const std::array<VertId, N>& verts) {
   const TetMesh& m = part_->mesh;
-  for (const VertId w : face) {
+  for (const VertId w : verts) {
     if (w == v || !m.has(w, kRidge | kCorner) || m.features.find(v, w) == nullptr) continue;
     auto& ends = star_.ridge_ends;
     if (ends[0] == kNoVert || ends[0] == w) {
@@ -49,8 +50,9 @@ bool Smoother::find_freedom(VertId v, Freedom& free) {
   if (!part_->options.may_change_surface()) return false;
   facets_.clear();
   star_.ridge_ends = {kNoVert, kNoVert};
+  const bool line = !m.has(v, kSurface);  // inside a region
   for (const FaceId at : ball_) {
-    if (!note_facets(v, at)) return false;
+    if (line ? !note_ridge_ends(v, m.verts(at)) : !note_facets(v, at)) return false;
   }
   star_.facets = facets_;
   const auto found = part_->geometry->freedom(m, v, star_);
@@ -60,8 +62,7 @@ bool Smoother::find_freedom(VertId v, Freedom& free) {
 
 bool Smoother::gather(VertId v, Ball& ball) {
   const Part& p = *part_;
-  if (p.mesh.has(v, kFrozen) || p.mesh.has(v, kCorner | kRequired) || !find_ball(v) || !find_freedom(v, ball.free))
-    return false;
+  if (p.mesh.has(v, kFrozen) || p.mesh.has(v, kStays) || !find_ball(v) || !find_freedom(v, ball.free)) return false;
   cone_.clear();
   for (const FaceId f : ball_) {
     const auto k = p.mesh.verts(f);

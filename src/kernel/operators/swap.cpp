@@ -127,10 +127,22 @@ double Swapper::sum_of_shell() const noexcept {
   return sum;
 }
 
+bool Swapper::are_joined_elsewhere(VertId a, VertId b) {
+  ball_.clear();
+  if (!gather_ball(*part_, a, ball_)) return true;
+  return std::any_of(ball_.begin(), ball_.end(), [&](TetId t) {
+    const auto end = shell_.tet.begin() + shell_.n;
+    return has_vertex(part_->mesh.tet2vert[t], b) && std::find(shell_.tet.begin(), end, t) == end;
+  });
+}
+
 bool Swapper::make_triangles() {
+  const TetMesh& m = part_->mesh;
   const int ring = shell_.ring_size();
   triangles_.clear();
   if (!list_triangles(0, ring - 1)) return false;
+  if (shell_.closed && m.has(shell_.a, kThin) && m.feature(shell_.a, shell_.b) != nullptr) return false;
+  if (!shell_.closed && are_joined_elsewhere(shell_.ring[0], shell_.ring[ring - 1])) return false;
   cavity_->clear();
   for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[i]);
   if (shell_.closed) {
@@ -191,6 +203,7 @@ bool Swapper::face(FaceId f, const RaiseWorst& objective) {
   const FaceId g = m.neighbour(f);
   if (g == kNoFace || m.tag(f) != 0) return false;
   const TetId t = face_tet(f);
+  if (m.has(t, kRequiredTet) || m.has(face_tet(g), kRequiredTet)) return false;
   const VertId d = m.apex(f), e = m.apex(g);
   cavity_->clear();
   cavity_->add(t);

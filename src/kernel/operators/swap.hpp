@@ -41,6 +41,8 @@ class Swapper {
   /// Makes the triangulation that split_ tells, if all elements are better than bound_.
   bool make_triangles();
   bool surface_swap_allowed();
+  /// Vertices of the ring have an edge that no tetrahedron of the shell has.
+  [[nodiscard]] bool are_joined_elsewhere(VertId a, VertId b);
   /// The edge between two ring vertices exists already, or has less strain than max_strain_.
   [[nodiscard]] bool may_connect(int i, int j) const noexcept;
   /// The best score of all triangulations of the ring by triangles (i, k, j) that may_use allows; split_ tells which.
@@ -58,6 +60,7 @@ class Swapper {
   std::array<std::array<double, kMaxRing>, kMaxRing> best_;
   std::array<std::array<int, kMaxRing>, kMaxRing> split_;
   std::vector<RingTriangle> triangles_;
+  std::vector<TetId> ball_;
   double bound_ = 0;       ///< Q^3 that every new element must exceed
   double max_strain_ = 0;  ///< of a new edge, with LowerStrain
 };
