@@ -8,6 +8,7 @@ Prints a JSON line per run, and for each failing case, made small, one command t
 case failed. docs/campaign.md tells more.
 """
 import argparse
+import collections
 import concurrent.futures
 import json
 import os
@@ -32,16 +33,17 @@ def arguments():
     p.add_argument("--case", help="run this one case only")
     p.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change all cases, as ranks=1")
     p.add_argument("--limit", type=float, default=running.TIME_LIMIT, help="seconds after which a run hangs (%(default)s)")
-    p.add_argument("--reduce", type=float, default=40, help="seconds to spend on making a failing case small; 0: none")
+    p.add_argument("--reduce", type=float, default=40, help="seconds to spend on making a case of each kind of fault small; 0: none")
     p.add_argument("--ignore", action="append", default=[], metavar="KIND", help="say nothing of faults of this kind")
-    p.add_argument("--each", type=int, default=2, help="cases of one kind of fault to make small (%(default)s)")
+    p.add_argument("--each", type=int, default=2, help="cases of one kind of fault to print (%(default)s)")
     return p.parse_args()
 
 
 class Campaign:
     def __init__(self, args):
         self.args, self.program = args, running.Program(args.skein, args.limit, args.ignore)
-        self.kinds, self.runs, self.failed, self.begin = {}, 0, 0, time.monotonic()
+        self.kinds, self.times = {}, collections.Counter()  # outcomes by kind of fault, and how many runs had it
+        self.runs, self.failed, self.begin = 0, 0, time.monotonic()
 
     def seeds(self):
         count = self.args.count or (None if self.args.minutes else 50)
@@ -57,29 +59,15 @@ class Campaign:
         return ":".join([str(seed), *self.args.set])
 
     def tell(self, outcome):
-        """Prints the line of a run; makes it small if it failed."""
+        """Prints the line of a run, and what failed."""
         self.runs += 1
         print(json.dumps(outcome.record()), flush=True)
-        if not outcome.faults:
-            return
-        self.failed += 1
-        for kind in dict.fromkeys(outcome.kinds):
-            known = self.kinds.setdefault(kind, [])
-            small = outcome
-            if len(known) < self.args.each:
-                if self.args.reduce:
-                    small = reducing.reduce(outcome, kind, self.program, self.args.reduce)
-                self.print_case(kind, small)
-            known.append(small)
-
-    def print_case(self, kind, outcome):
-        print(f"FAILED {kind}: {dict(reversed(outcome.faults))[kind]}",
-              *(other for other in dict.fromkeys(outcome.kinds) if other != kind), sep="\n  also ")
-        print(f"repeat: scripts/campaign --case '{specs.write(outcome.spec)}'", flush=True)
-        if self.args.keep:
-            folder = os.path.join(self.args.keep, specs.write(outcome.spec).replace(":", "_"))
-            again = running.run(outcome.spec, self.program, folder)
-            print("files and command:", " ".join(again.command), flush=True)
+        self.failed += bool(outcome.faults)
+        for kind in set(outcome.kinds):
+            self.kinds.setdefault(kind, []).append(outcome)
+            self.times[kind] += 1
+        if any(self.times[kind] <= self.args.each for kind in outcome.kinds):
+            print_case(outcome)
 
     def all(self):
         """Runs cases, `jobs` at a time, in the order of their seeds."""
@@ -92,11 +80,37 @@ class Campaign:
             for future in waiting:
                 self.tell(future.result())
 
+    def make_small(self):
+        """Makes the smallest case of each kind of fault smaller still. A case that is small for one kind may be the
+        smallest for others, too."""
+        found = []
+        for kind in sorted(self.kinds, key=lambda k: -len(self.kinds[k])):
+            best = min([o for o in self.kinds[kind] + found if kind in o.kinds], key=reducing.size)
+            if self.args.reduce:
+                best = reducing.reduce(best, kind, self.program, self.args.reduce)
+            found.append(best)
+            print_case(best, kind)
+            self.keep(best)
+            self.kinds[kind].append(best)
+
+    def keep(self, outcome):
+        if self.args.keep:
+            folder = os.path.join(self.args.keep, specs.write(outcome.spec).replace(":", "_"))
+            again = running.run(outcome.spec, self.program, folder)
+            print("files and command:", " ".join(again.command), flush=True)
+
     def summary(self):
+        """How often each kind of fault was seen, and its smallest case."""
         print(f"{self.runs} runs, {self.failed} failed, {time.monotonic() - self.begin:.0f} s")
-        for kind, outcomes in sorted(self.kinds.items(), key=lambda item: -len(item[1])):
-            smallest = min(outcomes, key=lambda o: (o.before.get("tetrahedra", 0), o.spec["ranks"], o.spec["threads"]))
-            print(f"{len(outcomes):5d}  {kind}\n       scripts/campaign --case '{specs.write(smallest.spec)}'")
+        for kind, outcomes in sorted(self.kinds.items(), key=lambda item: -self.times[item[0]]):
+            print(f"{self.times[kind]:5d}  {kind}\n       scripts/campaign --case '{specs.write(min(outcomes, key=reducing.size).spec)}'")
+
+
+def print_case(outcome, wanted=None):
+    """Prints what is wrong with a case, one sentence for each kind of fault, and how to repeat it."""
+    for kind, text in reversed(dict(reversed(outcome.faults)).items()):
+        print(f"{'>' if kind == wanted else ' '} {kind}: {text}")
+    print(f"repeat: scripts/campaign --case '{specs.write(outcome.spec)}'", flush=True)
 
 
 def one(campaign, args):
@@ -117,7 +131,11 @@ def main():
     campaign = Campaign(args)
     if args.case:
         return int(one(campaign, args))
-    campaign.all()
+    try:
+        campaign.all()
+        campaign.make_small()
+    except KeyboardInterrupt:
+        print("stopped")
     campaign.summary()
     return int(campaign.failed > 0)
 

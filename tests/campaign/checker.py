@@ -46,7 +46,10 @@ class Comparison:
         known = np.unique(before.refs["Triangles"])
         self.parts = [measures.Complex(m, f, known) for m, f in zip((before, after), self.faces)]
         self.found = []
-        self.same_vertex = rows_in(places(before.coords), places(after.coords))
+        # vertices may share their place, as on both sides of a slit: each stands for the last of them
+        here = places(after.coords)
+        self.place = rows_in(here, here)
+        self.same_vertex = rows_in(places(before.coords), here)
 
     def tell(self, kind, text):
         self.found.append((kind, text))
@@ -99,12 +102,16 @@ class Comparison:
                                           f"{which[now < 0][0] + 1}")
             which, now = which[now >= 0], now[now >= 0]
             self.listed(name, which, now)
-            other = self.before.refs["Vertices"][which] != self.after.refs["Vertices"][now]
+            there = set(zip(self.place.tolist(), self.after.refs["Vertices"].tolist()))
+            wanted = zip(now.tolist(), self.before.refs["Vertices"][which].tolist())
+            other = np.array([pair not in there for pair in wanted], bool)
             if other.any():
                 self.tell(f"{name}.reference", f"{other.sum()} {name} changed their reference, first {which[other][0] + 1}")
 
     def listed(self, name, which, now):
-        missing = ~np.isin(now, self.after.lists[name])
+        self.tell_unlisted(name, which, ~np.isin(now, self.place[self.after.lists[name]]))
+
+    def tell_unlisted(self, name, which, missing):
         if missing.any():
             self.tell(f"{name}.unlisted", f"{missing.sum()} of {len(which)} are there, but not in {name}, first "
                                           f"{which[missing][0] + 1}")
@@ -116,14 +123,18 @@ class Comparison:
             return
         cells = self.before.cells[cells_name][which]
         now = self.same_vertex[cells]
-        there = {tuple(sorted(row)): i for i, row in enumerate(self.after.cells[cells_name].tolist())}
-        number = np.array([there.get(tuple(sorted(row)), -1) for row in now.tolist()], int)
-        if (number < 0).any():
-            self.tell(f"{name}.gone", f"{(number < 0).sum()} of {len(which)} {name} are gone, first number "
-                                      f"{which[number < 0][0] + 1}")
-        which, number = which[number >= 0], number[number >= 0]
-        self.listed(name, which, number)
-        other = self.before.refs[cells_name][which] != self.after.refs[cells_name][number]
+        there = {}
+        for i, row in enumerate(self.place[self.after.cells[cells_name]].tolist()):
+            there.setdefault(tuple(sorted(row)), []).append(i)
+        numbers = [there.get(tuple(sorted(row)), []) for row in now.tolist()]
+        gone = np.array([not found for found in numbers], bool)
+        if gone.any():
+            self.tell(f"{name}.gone", f"{gone.sum()} of {len(which)} {name} are gone, first number {which[gone][0] + 1}")
+        which, numbers = which[~gone], [found for found in numbers if found]
+        listed = set(self.after.lists[name].tolist())
+        self.tell_unlisted(name, which, np.array([listed.isdisjoint(found) for found in numbers], bool))
+        refs = self.after.refs[cells_name]
+        other = np.array([self.before.refs[cells_name][i] not in refs[found] for i, found in zip(which, numbers)], bool)
         if other.any():
             self.tell(f"{name}.reference", f"{other.sum()} {name} changed their reference, first {which[other][0] + 1}")
 

@@ -16,6 +16,7 @@ import topology
 import validity
 
 PLAIN = "n=2x2x2:sub=2:cut=kuhn:field=layers:density=1:regions=2:paint=sides:tris=all:sheets=:lines=:points=:req=:share=0.5:" \
+        "torn=no:first=1:complexity=250:extra=no:"\
         "jitter=0:affine=0:bend=0:size=keep"
 
 
@@ -232,6 +233,13 @@ class Sound(unittest.TestCase):
             self.assertEqual(checker.check(mesh, mesh), [], f"seed {seed}")
             self.assertEqual(len(solution), len(mesh.coords))
             self.assertTrue(np.isfinite(solution).all())
+
+    def test_twins_on_both_sides_of_a_tear_are_told_apart(self):
+        for torn in ("contacts", "regions", "slit"):
+            torn_mesh = case(3, torn=torn, field="bodies", density="0.6", regions="2", req="tri.edge.tet.vert", lines="0")
+            self.assertEqual(checker.check(torn_mesh, torn_mesh), [], torn)
+        one, two = case(3, field="layers"), case(3, field="layers", torn="regions")
+        self.assertGreater(len(two.coords), len(one.coords))
 
     def test_a_case_is_its_text(self):
         for seed in range(50):

@@ -55,11 +55,13 @@ class Features:
         free = np.flatnonzero(~self.hull & ~self.between & (self.face_ref < 0))
         if not len(free):
             return
-        kind = r.choice(("plane", "ragged", "cross", "diagonal", "walk", "crumbs"))
+        kind = r.choice(("plane", "ragged", "cross", "diagonal", "walk", "fan", "crumbs"))
         ref = SHEET_REF + (0 if r.random() < 0.2 else number)
         places = self.lattice[self.faces.verts[free]]
         if kind == "walk":
             chosen = self.walk_faces(free, number, r.randint(2, 12))
+        elif kind == "fan":
+            chosen = self.fan_faces(free, number, r.randint(3, 6))
         elif kind == "crumbs":
             chosen = [f for f in free if self.chance(("crumb", number), self.faces.verts[f]) < 0.04]
         else:
@@ -89,6 +91,17 @@ class Features:
             inside &= (middle >= low) & (middle <= max(high, low + 1))
         return inside
 
+    def fan_faces(self, free, number, count):
+        """Faces round one or two edges: three or more sheets at an edge."""
+        edges = np.unique(np.sort(self.faces.verts[free][:, topology.TRI_EDGES].reshape(-1, 2), axis=1), axis=0).tolist()
+        edges.sort(key=lambda edge: self.chance(("fan", number), edge))
+        chosen = []
+        for a, b in edges[:1 + number % 2]:
+            verts = self.faces.verts[free]
+            near = free[(verts == a).any(axis=1) & (verts == b).any(axis=1)].tolist()
+            chosen += sorted(near, key=lambda f: self.chance(("leaf", number), self.faces.verts[f]))[:count]
+        return chosen
+
     def walk_faces(self, free, number, count):
         """A chain of faces, each with an edge in common with one before."""
         order = {f: self.chance(("walk", number), self.faces.verts[f]) for f in free.tolist()}
@@ -105,7 +118,7 @@ class Features:
     def line(self, number):
         """Line `number`: a chain of mesh edges, through the volume, on the hull or straight on."""
         r = hashing.stream(self.seed, "line", number)
-        kind, count = r.choice(("any", "hull", "straight")), r.randint(1, 8)
+        kind, count = r.choice(("any", "hull", "straight", "loop", "star")), r.randint(1, 8)
         edges = self.all_edges
         if kind == "hull":
             edges = np.unique(np.sort(self.faces.verts[self.hull][:, topology.TRI_EDGES].reshape(-1, 2), axis=1), axis=0)
@@ -116,6 +129,14 @@ class Features:
             near.setdefault(a, []).append(b)
             near.setdefault(b, []).append(a)
         at = min(near, key=lambda v: self.chance(("start", number), [v]))
+        if kind in ("loop", "star"):
+            around = sorted(near[at], key=lambda v: self.chance(("ray", number), [at, v]))
+            if kind == "loop":
+                around = [around[0], next((v for v in around[1:] if v in near[around[0]]), around[0])]
+                self.add_edge(around, ref, ridge)
+            for v in around[:count + 1]:
+                self.add_edge((at, v), ref, ridge)
+            return
         seen, step = {at}, None
         for _ in range(count):
             to = [v for v in near[at] if v not in seen]
@@ -125,13 +146,17 @@ class Features:
                 break
             then = min(to, key=lambda v: self.chance(("step", number), [at, v]))
             step = tuple(self.lattice[then] - self.lattice[at])
-            edge = (min(at, then), max(at, then))
-            if edge not in self.edge_ref:
-                self.edge_ref[edge] = ref
-                if ridge:
-                    self.ridges.add(edge)
+            self.add_edge((at, then), ref, ridge)
             seen.add(then)
             at = then
+
+    def add_edge(self, verts, ref, ridge):
+        """One edge of a line; lines that were there before keep theirs."""
+        edge = (min(verts), max(verts))
+        if edge not in self.edge_ref and edge[0] != edge[1]:
+            self.edge_ref[edge] = ref
+            if ridge:
+                self.ridges.add(edge)
 
     def finish(self):
         """Puts triangles and points into the mesh, and the required ones into their lists. Edges come later."""

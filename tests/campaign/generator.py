@@ -29,6 +29,7 @@ def build(spec):
     mesh.coords = shape.place(spec, lattice, tets, fixed)
     name_shallow_folds(parts, special)
     parts.put_edges()
+    mesh.refs["Tetrahedra"] += spec["first"] - 1
     name_shallow_bends(parts, special)
     return mesh, shape.sizes(spec, lattice, mesh.coords, mesh.tets)
 

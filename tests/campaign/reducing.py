@@ -5,6 +5,13 @@ import running
 import voxels
 
 
+def size(outcome):
+    """Orders outcomes: those that are easiest to look at first."""
+    spec = outcome.spec
+    extras = sum(len(spec[key]) for key in ("sheets", "lines", "points", "req"))
+    return spec["ranks"] > 1, spec["threads"] > 1, outcome.before.get("tetrahedra", 0), extras
+
+
 def simpler(spec):
     """Smaller cases, the most promising first: each a dict of changes."""
     for ranks in sorted({1, 2, 3, spec["ranks"] // 2}):
@@ -26,7 +33,7 @@ def simpler(spec):
             yield {"drop": sorted(set(spec["drop"]) | (set(numbers) - set(part)))}
     if spec["rounds"] > 1:
         yield {"rounds": 1}
-    for key, value in (("regions", 1), ("paint", "one"), ("tris", "all"), ("size", "uniform"), ("cut", "kuhn")):
+    for key, value in (("torn", "no"), ("extra", "no"), ("first", 1), ("complexity", 60), ("regions", 1), ("paint", "one"), ("tris", "all"), ("size", "uniform"), ("cut", "kuhn")):
         if spec[key] != value:
             yield {key: value}
 

@@ -17,6 +17,8 @@ FILES = ("in.mesh", "in.sol", "out.mesh", "log.txt")
 MPI_SETTINGS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                 "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
                 "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMPI_MCA_mpi_yield_when_idle": "1"}
+EXTRA = {"surface": ["--no-surface"], "chapter": ["--method-preset", "chapter"], "quick": ["--method-preset", "quick"],
+         "graded": ["--gradation", "1.5"], "free": ["--gradation", "0"]}
 
 
 class Program:
@@ -32,6 +34,7 @@ class Program:
         args = [self.skein, "adapt", os.path.join(folder, "in.mesh"), "--size" if sizes else "--metric",
                 os.path.join(folder, "in.sol"), "-o", os.path.join(folder, "out.mesh"), "--threads",
                 str(spec["threads"]), "--rounds", str(spec["rounds"]), "--quiet"]
+        args += EXTRA.get(spec["extra"], [])
         return args if spec["ranks"] == 1 else [*self.mpirun, "-n", str(spec["ranks"]), *args]
 
 

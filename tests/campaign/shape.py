@@ -4,8 +4,6 @@ import numpy as np
 import hashing
 import topology
 
-LARGEST_COMPLEXITY = 250.0  # about 3000 tetrahedra
-
 
 def rotation(r):
     """A random rotation."""
@@ -100,8 +98,8 @@ def sizes(spec, lattice, x, tets):
     density = np.sqrt(np.linalg.det(metric))[tets]
     density = density.max(axis=1) if spec["size"] == "jump" else density.mean(axis=1)
     complexity = (topology.volumes6(x, tets) / 6 * density).sum()
-    if complexity > LARGEST_COMPLEXITY:
-        metric = metric * (LARGEST_COMPLEXITY / complexity) ** (2 / 3)
+    if complexity > spec["complexity"]:  # there will be about 12 times as many tetrahedra
+        metric = metric * (spec["complexity"] / complexity) ** (2 / 3)
     if as_sizes:
         return 1 / np.sqrt(metric[:, 0, 0])
     return metric[:, [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]

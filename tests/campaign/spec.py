@@ -2,7 +2,8 @@
 
 Keys: n (voxels, as 3x2x2), sub (cells per voxel and direction), cut (kuhn, five), field, density, regions, paint, tris,
 sheets, lines, points (numbers of those that are there, as 0.2), req (kinds that are required, as tri.edge), share (how
-many of these), drop (voxels taken away), jitter, affine, bend (0 or 1), size, ranks, threads, rounds.
+many of these), drop (voxels taken away), torn (where vertices are doubled), jitter, affine, bend (0 or 1), first (number
+of the first region), size, complexity (at most), extra (an option), ranks, threads, rounds.
 """
 import hashing
 
@@ -10,9 +11,12 @@ FIELDS = ("bodies", "bodies", "regions", "regions", "layers", "solid", "holes")
 PAINTS = ("sides", "one", "random", "region", "plain")
 TRIS = ("all", "all", "all", "hull", "inner", "half", "none")
 SIZES = ("uniform", "fine", "coarse", "linear", "jump", "stretched", "thin", "turning", "keep")
+TORN = ("no", "no", "no", "no", "contacts", "regions", "slit")
+EXTRA = ("no", "no", "no", "no", "surface", "chapter", "quick", "graded", "free")
 REQUIRED = ("vert", "edge", "tri", "tet")
 LISTS = ("sheets", "lines", "points", "drop")
-WORDS = {"cut": ("kuhn", "five"), "field": FIELDS, "paint": PAINTS, "tris": TRIS, "size": SIZES}
+WORDS = {"cut": ("kuhn", "five"), "field": FIELDS, "paint": PAINTS, "tris": TRIS, "size": SIZES, "torn": TORN,
+         "extra": EXTRA}
 
 
 def draw(seed):
@@ -41,6 +45,10 @@ def draw(seed):
     spec["ranks"] = r.choice((1, 1, 1, 2, 2, 2, 3, 3, 4, 4, 6, 8))
     spec["threads"] = r.choice((1, 1, 1, 2, 2, 3, 4))
     spec["rounds"] = r.choice((1, 2, 3, 3))
+    spec["torn"] = r.choice(TORN)
+    spec["first"] = r.choice((1, 1, 1, 0, -4, 30000))
+    spec["complexity"] = r.choice((60, 250, 250, 250, 800))
+    spec["extra"] = r.choice(EXTRA)
     return spec
 
 

@@ -105,9 +105,10 @@ class Faces:
         return np.where(self.key[at] == wanted, at, -1)
 
 
-def pieces_at_vertices(coords_count, tets, faces):
-    """How many fans of tetrahedra joined by faces each vertex has. Two or more: bodies touch in this vertex or edge."""
-    both = faces.second >= 0
+def corner_labels(tets, faces, joined):
+    """A label for each corner of a tetrahedron (number 4 * tetrahedron + i). Two corners in one vertex have the same if a
+    way leads round the vertex from one to the other through `joined` faces."""
+    both = joined & (faces.second >= 0)
     links_a, links_b = [], []
     first, second = faces.first[both], faces.second[both]
     for corner in range(3):
@@ -116,7 +117,12 @@ def pieces_at_vertices(coords_count, tets, faces):
         b = 4 * (second // 4) + np.argmax(tets[second // 4] == vert[:, None], axis=1)
         links_a.append(a)
         links_b.append(b)
-    label = components(tets.size, np.concatenate(links_a), np.concatenate(links_b))
+    return components(tets.size, np.concatenate(links_a), np.concatenate(links_b))
+
+
+def pieces_at_vertices(coords_count, tets, faces):
+    """How many fans of tetrahedra joined by faces each vertex has. Two or more: bodies touch in this vertex or edge."""
+    label = corner_labels(tets, faces, np.ones(len(faces.key), bool))
     roots = label == np.arange(tets.size)
     return np.bincount(tets.ravel()[roots], minlength=coords_count)
 

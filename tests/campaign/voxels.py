@@ -66,4 +66,25 @@ def tetrahedra(spec):
     tets = np.array(tets, int).reshape(-1, 4)
     turned = topology.volumes6(lattice.astype(float), tets) < 0
     tets[turned, 2], tets[turned, 3] = tets[turned, 3].copy(), tets[turned, 2].copy()
-    return lattice, tets, np.array(regions, int)
+    return tear(spec, lattice, tets, np.array(regions, int))
+
+
+def tear(spec, lattice, tets, regions):
+    """Doubles vertices: where bodies touch in edges and vertices only, between regions, or along a slit. Both sides then
+    are hull, in the same place."""
+    if spec["torn"] == "no" or not len(tets):
+        return lattice, tets, regions
+    faces = topology.Faces(tets)
+    joined = faces.second >= 0
+    if spec["torn"] == "regions":
+        joined &= regions[faces.first // 4] == regions[faces.second // 4]
+    if spec["torn"] == "slit":
+        r = hashing.stream(spec["seed"], "slit")
+        axis, other = r.sample(range(3), 2)
+        at = r.randint(1, max(1, spec["sub"] * spec["n"][axis] - 1))
+        low = r.choice((0, 0.4)) * spec["sub"] * spec["n"][other]
+        places = lattice[faces.verts]
+        joined &= ~((places[:, :, axis] == at).all(axis=1) & (places[:, :, other].mean(axis=1) >= low))
+    labels = topology.corner_labels(tets, faces, joined)
+    roots, numbers = np.unique(labels, return_inverse=True)
+    return lattice[tets.ravel()[roots]], numbers.reshape(-1, 4), regions
