@@ -10,10 +10,10 @@ import time
 import checker
 import generator
 import medit
+import shape
 import spec as specs
 
 TIME_LIMIT = 40  # seconds; a case takes one or two. More is a hang
-FILES = ("in.mesh", "in.sol", "out.mesh", "log.txt")
 MPI_SETTINGS = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                 "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
                 "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMPI_MCA_mpi_yield_when_idle": "1"}
@@ -30,11 +30,11 @@ class Program:
         self.mpirun = words.split()
         self.environment = {**os.environ, **MPI_SETTINGS}
 
-    def command(self, spec, folder, sizes):
-        args = [self.skein, "adapt", os.path.join(folder, "in.mesh"), "--size" if sizes else "--metric",
-                os.path.join(folder, "in.sol"), "-o", os.path.join(folder, "out.mesh"), "--threads",
-                str(spec["threads"]), "--rounds", str(spec["rounds"]), "--quiet"]
-        args += EXTRA.get(spec["extra"], [])
+    def command(self, spec, names, sizes):
+        """The command for files (mesh, solution, new mesh)."""
+        mesh, solution, new = names
+        args = [self.skein, "adapt", mesh, "--size" if sizes else "--metric", solution, "-o", new, "--threads",
+                str(spec["threads"]), "--rounds", str(spec["rounds"]), "--quiet", *EXTRA.get(spec["extra"], [])]
         return args if spec["ranks"] == 1 else [*self.mpirun, "-n", str(spec["ranks"]), *args]
 
 
@@ -86,18 +86,39 @@ def execute(command, folder, program):
         return code, log.read()
 
 
-def judge(outcome, mesh, folder, code, text):
-    """Fills in the faults of a run that has ended."""
-    if code is None:
-        return [("hang", "out of time")]
+def adapt(outcome, mesh, solution, folder, number, program):
+    """Writes the files of one pass, runs it. Returns the new mesh, or None when there are faults."""
+    names = [os.path.join(folder, name + number) for name in ("in", "in", "out")]
+    names = [name + end for name, end in zip(names, (".mesh", ".sol", ".mesh"))]
+    medit.write_mesh(names[0], mesh)
+    medit.write_solution(names[1], solution)
+    outcome.command = program.command(outcome.spec, names, solution.ndim == 1)
+    begin = time.monotonic()
+    code, text = execute(outcome.command, folder, program)
+    outcome.seconds += time.monotonic() - begin
     if code != 0:
-        return [(end_kind(code, text), text.strip()[:600])]
+        kind = "hang" if code is None else end_kind(code, text)
+        outcome.faults = [(kind, f"after {outcome.seconds:.1f} s: {text.strip()[:600]}")]
+        return None
     try:
-        after = medit.read_mesh(os.path.join(folder, "out.mesh"))
+        return medit.read_mesh(names[2])
     except (OSError, medit.BadFile) as error:
-        return [("bad-file", str(error))]
-    outcome.after = after.counts()
-    return checker.check(mesh, after, checker.BENT if outcome.spec["bend"] else checker.FLAT)
+        outcome.faults = [("bad-file", str(error))]
+    return None
+
+
+def passes(outcome, mesh, solution, folder, program):
+    """Adapts, and checks the result; once more, to coarse sizes, if the case says so."""
+    spec = outcome.spec
+    tolerance = checker.BENT if spec["bend"] else checker.FLAT
+    after = adapt(outcome, mesh, solution, folder, "", program)
+    if after is not None:
+        outcome.after = after.counts()
+        outcome.faults = checker.check(mesh, after, tolerance)
+    if spec["again"] and not outcome.faults:
+        after = adapt(outcome, after, shape.coarse(spec, len(after.coords)), folder, "2", program)
+        if after is not None:
+            outcome.faults = checker.check(mesh, after, tolerance)
 
 
 def run(spec, program, keep=None):
@@ -111,14 +132,8 @@ def run(spec, program, keep=None):
     folder = tempfile.mkdtemp(prefix="skein-campaign-") if keep is None else keep
     os.makedirs(folder, exist_ok=True)
     try:
-        medit.write_mesh(os.path.join(folder, "in.mesh"), mesh)
-        medit.write_solution(os.path.join(folder, "in.sol"), solution)
-        outcome.command = program.command(spec, folder, solution.ndim == 1)
-        begin = time.monotonic()
-        code, text = execute(outcome.command, folder, program)
-        outcome.seconds = time.monotonic() - begin
-        faults = judge(outcome, mesh, folder, code, text)
-        outcome.faults = [f for f in faults if not f[0].startswith(program.ignored)]
+        passes(outcome, mesh, solution, folder, program)
+        outcome.faults = [f for f in outcome.faults if not f[0].startswith(program.ignored)]
     finally:
         if keep is None:
             shutil.rmtree(folder, ignore_errors=True)

@@ -84,6 +84,13 @@ def lattice_metric(spec, lattice):
     return np.eye(3)[None] / h[:, None, None] ** 2, True
 
 
+def coarse(spec, count):
+    """Tensors for `count` vertices: edges as long as two voxels."""
+    inverse = np.linalg.inv(affine(spec)[0])
+    metric = inverse.T @ inverse / 4
+    return np.repeat(metric[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]][None], count, axis=0)
+
+
 def sizes(spec, lattice, x, tets):
     """The solution: sizes (one number per vertex) or tensors (six), scaled so that the case stays small."""
     metric, round_ = lattice_metric(spec, lattice)
