@@ -16,7 +16,7 @@ import topology
 import validity
 
 PLAIN = "n=2x2x2:sub=2:cut=kuhn:field=layers:density=1:regions=2:paint=sides:tris=all:sheets=:lines=:points=:req=:share=0.5:" \
-        "torn=no:first=1:complexity=250:extra=no:again=0:"\
+        "torn=no:first=1:complexity=250:extra=no:again=0:same=0:"\
         "jitter=0:affine=0:bend=0:size=keep"
 
 

@@ -103,7 +103,8 @@ def corners(mesh, parts, faces):
     for edge in map(tuple, folds(mesh, parts)):
         names.setdefault(edge, (None, None))
     for edge, ref in zip(np.sort(mesh.edges, axis=1).tolist(), mesh.refs["Edges"].tolist()):
-        names[tuple(edge)] = (names.get(tuple(edge), (None,))[0], ref)
+        # a ridge of reference 0 is as one that the program finds
+        names[tuple(edge)] = (names.get(tuple(edge), (None,))[0], ref or None)
     at = {}
     for (a, b), name in names.items():
         at.setdefault(a, []).append((b, name))

@@ -22,7 +22,7 @@ def simpler(spec):
             yield {"threads": threads}
     for key in ("sheets", "lines", "points", "req"):
         yield from ({key: part} for part in shorter(spec[key]))
-    for key in ("again", "jitter", "affine", "bend"):
+    for key in ("again", "same", "jitter", "affine", "bend"):
         if spec[key]:
             yield {key: 0}
     if spec["sub"] > 1:

@@ -1,4 +1,5 @@
 """Runs the program on one case and judges what comes out."""
+import filecmp
 import os
 import re
 import shutil
@@ -107,6 +108,17 @@ def adapt(outcome, mesh, solution, folder, number, program):
     return None
 
 
+def repeat(outcome, mesh, solution, folder, program):
+    """The same run once more: the same bytes must come out."""
+    before = outcome.faults
+    again = adapt(outcome, mesh, solution, folder, "1", program)
+    if again is None:
+        outcome.faults = before + outcome.faults
+        return
+    if not filecmp.cmp(os.path.join(folder, "out.mesh"), os.path.join(folder, "out1.mesh"), shallow=False):
+        outcome.faults = before + [("not-repeatable", f"the same run gives another mesh: {outcome.after} and {again.counts()}")]
+
+
 def passes(outcome, mesh, solution, folder, program):
     """Adapts, and checks the result; once more, to coarse sizes, if the case says so."""
     spec = outcome.spec
@@ -115,6 +127,8 @@ def passes(outcome, mesh, solution, folder, program):
     if after is not None:
         outcome.after = after.counts()
         outcome.faults = checker.check(mesh, after, tolerance)
+    if spec["same"] and after is not None:
+        repeat(outcome, mesh, solution, folder, program)
     if spec["again"] and not outcome.faults:
         after = adapt(outcome, after, shape.coarse(spec, len(after.coords)), folder, "2", program)
         if after is not None:

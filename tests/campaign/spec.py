@@ -4,7 +4,7 @@ Keys: n (voxels, as 3x2x2), sub (cells per voxel and direction), cut (kuhn, five
 sheets, lines, points (numbers of those that are there, as 0.2), req (kinds that are required, as tri.edge), share (how
 many of these), drop (voxels taken away), torn (where vertices are doubled), jitter, affine, bend (0 or 1), first (number
 of the first region), size, complexity (at most), extra (an option), again (1: the result is adapted once more, to coarse
-sizes), ranks, threads, rounds.
+sizes), same (1: the same run twice must give the same bytes), ranks, threads, rounds.
 """
 import hashing
 
@@ -51,6 +51,7 @@ def draw(seed):
     spec["complexity"] = r.choice((60, 250, 250, 250, 800))
     spec["extra"] = r.choice(EXTRA)
     spec["again"] = int(r.random() < 0.2)
+    spec["same"] = int(r.random() < 0.2)
     return spec
 
 
