@@ -23,11 +23,11 @@ function(skein_library name)
   target_link_libraries(${name} PUBLIC skein_options ${ARG_LINK})
 endfunction()
 
-# Makes `target` of the objects of the rooms that the public headers need. Methods as files are not among them (they
-# would add toml++). A shared library shows only what the public headers have (skein.map), and leaves nothing undefined.
+# Makes `target` of the objects of the rooms that the public headers need. A shared library shows only what the public
+# headers have (skein.map), and leaves nothing undefined.
 function(skein_make_of_rooms target)
   foreach(room base comm mesh metric geometry kernel partition dist solution adapt report statistics api)
-    target_sources(${target} PRIVATE $<FILTER:$<TARGET_OBJECTS:skein_${room}>,EXCLUDE,method_file>)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:skein_${room}>)
   endforeach()
   set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
   target_link_libraries(${target} PUBLIC MPI::MPI_CXX PRIVATE fmt::fmt OpenMP::OpenMP_CXX Threads::Threads

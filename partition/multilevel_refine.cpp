@@ -77,7 +77,7 @@ Refiner::Refiner(const Graph& graph, IdVector<NodeId, PartId>& part, std::vector
   for (const NodeId v : IdRange<NodeId>(graph.nodes())) state_[v] = (*fixed)[v] != 0 ? kFixed : kMaybeBoundary;
 }
 
-Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
+Refiner::Target Refiner::best_target(NodeId v, Where where) noexcept {
   const std::span<const Edge> edges = g_.edges(v);
   const PartId own = part_[v];
   std::size_t touched = 0;
@@ -91,6 +91,7 @@ Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
   const std::int64_t w = g_.weight[v];
   const std::int32_t inner = contact_[idx(own)];
   contact_[idx(own)] = 0;
+  const bool lighter_too = where == Where::kRoomyOrLighter;
   Target best;
   for (std::size_t i = 0; i < touched; ++i) {
     const PartId p = touched_[i];
@@ -98,7 +99,7 @@ Refiner::Target Refiner::best_target(NodeId v, bool any) noexcept {
     contact_[idx(p)] = 0;
     if (p == own || (best.part != kNoPart && gain < best.gain)) continue;
     const std::int64_t after = weight_[idx(p)] + w;
-    if (after > capacity_[idx(p)] && !(any && after < weight_[idx(own)])) continue;
+    if (after > capacity_[idx(p)] && !(lighter_too && after < weight_[idx(own)])) continue;
     if (best.part == kNoPart || gain > best.gain || weight_[idx(p)] < weight_[idx(best.part)]) best = {p, gain};
   }
   return best;
@@ -138,8 +139,8 @@ void Refiner::move(NodeId v, PartId to) noexcept {
   part_[v] = to;
 }
 
-bool Refiner::enqueue(NodeId v, bool any) {
-  const Target t = target_[v] = best_target(v, any);
+bool Refiner::enqueue(NodeId v, Where where) {
+  const Target t = target_[v] = best_target(v, where);
   if (t.part == kNoPart) return false;
   queue_.push(v, t.gain);
   return true;
@@ -239,11 +240,11 @@ std::int64_t Refiner::local_pass(std::size_t seeds, std::size_t patience) {
   return gained;
 }
 
-bool Refiner::shed(bool any) {
+bool Refiner::shed(Where where) {
   for (const NodeId v : IdRange<NodeId>(g_.nodes())) {
     state_[v] &= static_cast<std::uint8_t>(~kLocked);
     if (weight_[idx(part_[v])] <= capacity_[idx(part_[v])] || g_.weight[v] == 0 || (state_[v] & kFixed) != 0) continue;
-    enqueue(v, any);
+    enqueue(v, where);
   }
   bool moved = false;
   for (;;) {
@@ -251,7 +252,7 @@ bool Refiner::shed(bool any) {
     if (v == kNoNode) break;
     const PartId from = part_[v];
     if (weight_[idx(from)] <= capacity_[idx(from)]) continue;
-    const Target t = best_target(v, any);
+    const Target t = best_target(v, where);
     if (t.part == kNoPart) continue;
     if (GainQueue::clamp(t.gain) < expected) {
       queue_.push(v, t.gain);
@@ -265,7 +266,7 @@ bool Refiner::shed(bool any) {
       state_[e.to] |= kMaybeBoundary;
       if ((state_[e.to] & kLocked) != 0 || part_[e.to] != from) continue;
       if (queue_.has(e.to)) queue_.remove(e.to);
-      enqueue(e.to, any);
+      enqueue(e.to, where);
     }
   }
   return moved;
@@ -280,7 +281,7 @@ void Refiner::balance() {
   };
   constexpr int kRounds = 10;  // each may pass the surplus on to the next part
   for (int r = 0; r < kRounds && over(); ++r) {
-    if (!shed(false) && !shed(true)) break;
+    if (!shed(Where::kRoomy) && !shed(Where::kRoomyOrLighter)) break;
   }
 }
 

@@ -62,20 +62,24 @@ class Refiner {
     PartId part = kNoPart;
     std::int32_t gain = 0;
   };
+  /// Where a node may move to.
+  enum class Where : std::uint8_t {
+    kRoomy,          ///< parts with room for it
+    kRoomyOrLighter  ///< also parts without room that stay lighter than its own
+  };
   /// Bits of state_.
   enum : std::uint8_t { kLocked = 1, kFixed = 2, kMaybeBoundary = 4 };
 
-  /// The best part for v to move to, among those with room. With `any` also parts without room that are lighter than
-  /// v's own. kNoPart: none.
-  Target best_target(NodeId v, bool any = false) noexcept;
+  /// The best part for v to move to. kNoPart: none.
+  Target best_target(NodeId v, Where where = Where::kRoomy) noexcept;
   [[nodiscard]] bool on_boundary(NodeId v) const noexcept;
   /// The nodes that a pass may start from, in their order; unlocks all nodes.
   void find_boundary();
   void move(NodeId v, PartId to) noexcept;
-  bool enqueue(NodeId v, bool any = false);
+  bool enqueue(NodeId v, Where where = Where::kRoomy);
   void update_neighbours(NodeId v);
   std::int64_t search(std::size_t patience);
-  bool shed(bool any);
+  bool shed(Where where);
 
   const Graph& g_;
   IdVector<NodeId, PartId>& part_;

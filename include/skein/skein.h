@@ -44,14 +44,16 @@ typedef enum skein_target {
 
 /// How points are created.
 typedef enum skein_points {
-  SKEIN_POINTS_EDGES = 0,     ///< along long edges
-  SKEIN_POINTS_CENTROIDS = 1  ///< at centroids of large tetrahedra
+  SKEIN_POINTS_OF_METHOD = -1,  ///< as the method has it: the default
+  SKEIN_POINTS_EDGES = 0,       ///< along long edges
+  SKEIN_POINTS_CENTROIDS = 1    ///< at centroids of large tetrahedra
 } skein_points;
 
 /// How vertices are moved.
 typedef enum skein_smoothing {
-  SKEIN_SMOOTHING_QUALITY = 0,  ///< to the best quality of their elements
-  SKEIN_SMOOTHING_SPRINGS = 1   ///< by springs along their edges
+  SKEIN_SMOOTHING_OF_METHOD = -1,  ///< as the method has it: the default
+  SKEIN_SMOOTHING_QUALITY = 0,     ///< to the best quality of their elements
+  SKEIN_SMOOTHING_SPRINGS = 1      ///< by springs along their edges
 } skein_smoothing;
 
 /// What the progress function is told when a phase begins and when it has ended.
@@ -71,6 +73,9 @@ typedef struct skein_options {
   double gradation;           ///< growth of sizes per edge, > 1; 0: no bound; negative: 1.3 with SKEIN_SIZE, else none
   double ridge_angle;         ///< surface edges folded by more are ridges; degrees
   int surface;                ///< 0: boundary triangles are kept as they are
+  const char* preset;         ///< name of a method, as skein::Options::preset; at most one of the three is not NULL
+  const char* config;         ///< a method with its numbers as a text (TOML)
+  const char* config_file;    ///< the same in a file, which rank 0 reads
   skein_points points;        ///< how points are created
   skein_smoothing smoothing;  ///< how vertices are moved
   int rounds;                 ///< rounds over the ranks

@@ -152,11 +152,19 @@ struct Options {
                                     ///< Target::size, no bound otherwise
   double ridge_angle = 45;          ///< surface edges folded by more than this are kept as ridges; degrees
   bool surface = true;              ///< boundary triangles may change; false: they are kept as they are
-  Points points = Points::kEdges;   ///< how points are created
-  Smoothing smoothing = Smoothing::kQuality;  ///< how vertices are moved
-  int rounds = 3;                             ///< rounds over the ranks, each with other borders between the parts
-  int threads = 1;                            ///< threads in each rank; they do not call MPI
-  bool return_metric = false;                 ///< Adapted::metric is wanted
+
+  /// The method: the passes with all numbers that steer them. At most one of the next three is given, with none it is
+  /// the preset "default".
+  std::string preset;       ///< name of a method: "default", "chapter" or "quick" (docs/cli.md)
+  std::string config;       ///< a method as a text, in the form that `skein adapt --dump-config` prints (TOML); what it
+                            ///< does not name is as in its `preset`
+  std::string config_file;  ///< the same in a file, which rank 0 reads
+  std::optional<Points> points;        ///< how points are created; not set: as the method has it
+  std::optional<Smoothing> smoothing;  ///< how vertices are moved; not set: as the method has it
+
+  int rounds = 3;              ///< rounds over the ranks, each with other borders between the parts
+  int threads = 1;             ///< threads in each rank; they do not call MPI
+  bool return_metric = false;  ///< Adapted::metric is wanted
 
   /// Called on every rank, in the thread that called adapt(), when a phase begins and when it has ended. Returns true
   /// to go on. When it returns false on any rank, all ranks end with ErrorCode::kCancelled at the end of the phase. It
@@ -210,8 +218,9 @@ struct Adapted {
 ///
 /// Throws Error on all ranks of `comm`: kInvalidMesh when the mesh is not a valid one (the text names tetrahedra or
 /// vertices by their numbers, and where they are), kInput when a metric is not positive definite, a size is not
-/// greater than 0, or counts do not fit, kUsage when an option makes no sense, kCancelled when `progress` has asked
-/// for it, kInternal when memory is short. After an error, what was moved in is gone, and `comm` is as it was.
+/// greater than 0, counts do not fit, or the method's numbers make no sense (the text names line and key), kUsage when
+/// an option makes no sense, kCancelled when `progress` has asked for it, kInternal when memory is short. After an
+/// error, what was moved in is gone, and `comm` is as it was.
 [[nodiscard]] SKEIN_EXPORT Adapted<SlicedMesh> adapt(MPI_Comm comm, SlicedMesh mesh, Target target, Fields fields = {},
                                                      const Options& options = {});
 /// The same for a mesh in parts. Throws kInvalidMesh, too, when copies of a vertex have different coordinates.

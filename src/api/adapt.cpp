@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "adapt/method_file.hpp"
 #include "api/adaptation.hpp"
 #include "api/parts.hpp"
 #include "api/slices.hpp"
@@ -42,7 +43,25 @@ const char* name_of(MetricSource source) noexcept {
   return "the field";
 }
 
-AdaptationOptions to_internal(const Options& o, Target::Kind kind) {
+/// Collective. The method that the options name, with what they change in it.
+Method choose_method(const Comm& comm, const Options& o) {
+  Method m;
+  if (!o.config_file.empty()) {
+    m = read_method(comm, o.config_file);
+  } else {
+    agree(comm, [&] {
+      if (!o.preset.empty()) m = find_preset(o.preset).method;
+      if (!o.config.empty()) m = parse_method(o.config, "Options::config");
+    });
+  }
+  if (o.points) m.points = *o.points == Options::Points::kCentroids ? PointCreation::kCentroids : PointCreation::kEdges;
+  if (o.smoothing) {
+    m.smoothing = *o.smoothing == Options::Smoothing::kSprings ? Smoothing::kSprings : Smoothing::kQuality;
+  }
+  return m;
+}
+
+AdaptationOptions to_internal(const Options& o, Target::Kind kind, const Method& method) {
   AdaptationOptions a;
   a.distribute.ridge_angle = o.ridge_angle;
   a.metric.source = source_of(kind);
@@ -54,8 +73,7 @@ AdaptationOptions to_internal(const Options& o, Target::Kind kind) {
   a.metric.gradation = o.gradation.value_or(usual_gradation(a.metric.source));
   a.adapt.rounds = o.rounds;
   a.adapt.threads = o.threads;
-  a.adapt.method.points = o.points == Options::Points::kCentroids ? PointCreation::kCentroids : PointCreation::kEdges;
-  a.adapt.method.smoothing = o.smoothing == Options::Smoothing::kSprings ? Smoothing::kSprings : Smoothing::kQuality;
+  a.adapt.method = method;
   a.adapt.surface = o.surface;
   return a;
 }
@@ -78,6 +96,8 @@ void require_in_range(const Options& o, Target::Kind kind, const Fields& fields)
   require(o.rounds >= 1 && o.rounds <= 100, "Options::rounds must be between 1 and 100");
   require(o.threads >= 1 && o.threads <= 1024, "Options::threads must be between 1 and 1024");
   require(fields.width >= 0, "Fields::width must not be negative");
+  const int methods = int(!o.preset.empty()) + int(!o.config.empty()) + int(!o.config_file.empty());
+  require(methods <= 1, "only one of Options::preset, Options::config and Options::config_file can be given");
 }
 
 /// Collective. What must be the same on all ranks, or they would part ways.
@@ -89,8 +109,8 @@ void require_same(const Comm& comm, const Options& o, const Target& target, cons
                          o.gradation.value_or(-1),
                          o.ridge_angle,
                          double(o.surface),
-                         double(o.points == Options::Points::kEdges),
-                         double(o.smoothing == Options::Smoothing::kQuality),
+                         o.points ? double(static_cast<int>(*o.points)) : -1,
+                         o.smoothing ? double(static_cast<int>(*o.smoothing)) : -1,
                          double(o.rounds),
                          double(o.threads),
                          double(o.return_metric),
@@ -99,8 +119,10 @@ void require_same(const Comm& comm, const Options& o, const Target& target, cons
   std::vector<double> least(std::begin(mine), std::end(mine)), most = least;
   comm.reduce(std::span<double>(least), Op::kMin);
   comm.reduce(std::span<double>(most), Op::kMax);
+  const std::string texts = o.preset + '\0' + o.config + '\0' + o.config_file;
+  const std::string of_root = comm.broadcast(texts);
   agree(comm, [&] {
-    if (least == most) return;
+    if (least == most && texts == of_root) return;
     throw Error(ExitCode::kUsage, "options, the kind of target and the width of fields must be the same on all ranks");
   });
 }
@@ -249,7 +271,8 @@ Adapted<Mesh> run_for(MpiHandle caller, const Options& options, const Target& ta
   run_as_guest(caller, [&](const Comm& comm) {
     agree(comm, [&] { require_in_range(options, target.kind, fields); });
     require_same(comm, options, target, fields);
-    run(comm, options, to_internal(options, target.kind), make_input, make_result, out);
+    const Method method = choose_method(comm, options);
+    run(comm, options, to_internal(options, target.kind, method), make_input, make_result, out);
   });
   return out;
 }

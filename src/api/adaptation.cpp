@@ -75,8 +75,9 @@ class Carrier {
 };
 
 /// Collective. The slices are gone when it returns.
-DistMesh distribute_input(const Comm& comm, AdaptationInput input, const AdaptationOptions& o, PhaseLog& log) {
+DistMesh distribute_input(const Comm& comm, AdaptationInput&& from, const AdaptationOptions& o, PhaseLog& log) {
   log.start("distribute");
+  const AdaptationInput input = std::move(from);
   DistributeOptions options = o.distribute;
   options.metric_first = o.metric.source != MetricSource::kField;
   DistributeReport found;

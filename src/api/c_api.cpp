@@ -1,6 +1,7 @@
 // The C functions: a handle round the arrays of skein.hpp; nothing is thrown past them.
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <new>
 #include <string>
 #include <utility>
@@ -97,68 +98,34 @@ int set_list(skein_mesh* mesh, std::vector<std::int64_t> skein::SlicedMesh::*lis
 // --- numbers of 32 bits and of 64
 
 /// What is out of range becomes -1, which adapt() refuses on all ranks; to throw here would leave the others waiting.
-std::int32_t narrow(std::int64_t i) {
-  return i >= 0 && i <= std::numeric_limits<std::int32_t>::max() ? static_cast<std::int32_t>(i) : -1;
+void convert(std::int64_t from, std::int32_t& to) noexcept {
+  to = from >= 0 && from <= std::numeric_limits<std::int32_t>::max() ? static_cast<std::int32_t>(from) : -1;
 }
-template <std::size_t N>
-std::array<std::int32_t, N> narrow(const std::array<std::int64_t, N>& row) {
-  std::array<std::int32_t, N> out;
-  std::transform(row.begin(), row.end(), out.begin(), [](std::int64_t i) { return narrow(i); });
-  return out;
+void convert(std::int32_t from, std::int64_t& to) noexcept { to = from; }
+template <class From, class To, std::size_t N>
+void convert(const std::array<From, N>& from, std::array<To, N>& to) noexcept {
+  for (std::size_t k = 0; k < N; ++k) convert(from[k], to[k]);
 }
-std::int64_t widen(std::int32_t i) { return i; }
-template <std::size_t N>
-std::array<std::int64_t, N> widen(const std::array<std::int32_t, N>& row) {
-  std::array<std::int64_t, N> out;
-  std::copy(row.begin(), row.end(), out.begin());
-  return out;
+/// All items; `from` is freed.
+template <class From, class To>
+void convert(std::vector<From>& from, std::vector<To>& to) {
+  to.resize(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) convert(from[i], to[i]);
+  std::vector<From>().swap(from);
 }
 
-/// All items brought to the other width; `from` is freed.
-template <class From>
-auto narrowed(std::vector<From> from) {
-  std::vector<decltype(narrow(from[0]))> to(from.size());
-  std::transform(from.begin(), from.end(), to.begin(), [](const From& x) { return narrow(x); });
+/// All arrays of a mesh in the other convention, but for the global numbers.
+template <class To, class From>
+To converted(From from) {
+  To to;
+  to.coords = std::move(from.coords);
+  to.vert_refs = std::move(from.vert_refs), to.tet_refs = std::move(from.tet_refs);
+  to.triangle_refs = std::move(from.triangle_refs), to.edge_refs = std::move(from.edge_refs);
+  convert(from.tets, to.tets), convert(from.triangles, to.triangles), convert(from.edges, to.edges);
+  convert(from.corners, to.corners), convert(from.required_verts, to.required_verts);
+  convert(from.ridges, to.ridges), convert(from.required_edges, to.required_edges);
+  convert(from.required_triangles, to.required_triangles);
   return to;
-}
-template <class From>
-auto widened(std::vector<From> from) {
-  std::vector<decltype(widen(from[0]))> to(from.size());
-  std::transform(from.begin(), from.end(), to.begin(), [](const From& x) { return widen(x); });
-  return to;
-}
-
-skein::PartitionedMesh to_parts(skein::SlicedMesh m, std::vector<std::int64_t> local2global) {
-  return {std::move(m.coords),
-          std::move(local2global),
-          narrowed(std::move(m.tets)),
-          narrowed(std::move(m.triangles)),
-          narrowed(std::move(m.edges)),
-          std::move(m.vert_refs),
-          std::move(m.tet_refs),
-          std::move(m.triangle_refs),
-          std::move(m.edge_refs),
-          narrowed(std::move(m.corners)),
-          narrowed(std::move(m.required_verts)),
-          narrowed(std::move(m.ridges)),
-          narrowed(std::move(m.required_edges)),
-          narrowed(std::move(m.required_triangles))};
-}
-
-skein::SlicedMesh from_parts(skein::PartitionedMesh m) {
-  return {std::move(m.coords),
-          widened(std::move(m.tets)),
-          widened(std::move(m.triangles)),
-          widened(std::move(m.edges)),
-          std::move(m.vert_refs),
-          std::move(m.tet_refs),
-          std::move(m.triangle_refs),
-          std::move(m.edge_refs),
-          widened(std::move(m.corners)),
-          widened(std::move(m.required_verts)),
-          widened(std::move(m.ridges)),
-          widened(std::move(m.required_edges)),
-          widened(std::move(m.required_triangles))};
 }
 
 // --- options and report
@@ -168,9 +135,14 @@ skein::Options to_cpp(const skein_options& o) {
   out.complexity = o.complexity, out.h_min = o.h_min, out.h_max = o.h_max, out.norm = o.norm;
   if (!(o.gradation < 0)) out.gradation = o.gradation;
   out.ridge_angle = o.ridge_angle, out.surface = o.surface != 0;
-  out.points = o.points == SKEIN_POINTS_CENTROIDS ? skein::Options::Points::kCentroids : skein::Options::Points::kEdges;
-  out.smoothing = o.smoothing == SKEIN_SMOOTHING_SPRINGS ? skein::Options::Smoothing::kSprings
-                                                         : skein::Options::Smoothing::kQuality;
+  const auto text = [](const char* s) { return s == nullptr ? std::string() : std::string(s); };
+  out.preset = text(o.preset), out.config = text(o.config), out.config_file = text(o.config_file);
+  using Points = skein::Options::Points;
+  using Smoothing = skein::Options::Smoothing;
+  if (o.points == SKEIN_POINTS_EDGES) out.points = Points::kEdges;
+  if (o.points == SKEIN_POINTS_CENTROIDS) out.points = Points::kCentroids;
+  if (o.smoothing == SKEIN_SMOOTHING_QUALITY) out.smoothing = Smoothing::kQuality;
+  if (o.smoothing == SKEIN_SMOOTHING_SPRINGS) out.smoothing = Smoothing::kSprings;
   out.rounds = o.rounds, out.threads = o.threads, out.return_metric = o.return_metric != 0;
   if (o.progress == nullptr) return out;
   out.progress = [tell = o.progress, data = o.progress_data](const skein::Progress& p) {
@@ -196,10 +168,11 @@ void adapt(MPI_Comm comm, skein_mesh& mesh, const skein::Options& options, skein
   skein_mesh in = std::exchange(mesh, {});
   mesh.in_parts = in.in_parts;
   if (in.in_parts) {
-    auto out = skein::adapt(comm, to_parts(std::move(in.mesh), std::move(in.local2global)), std::move(in.target),
-                            std::move(in.fields), options);
+    auto parts = converted<skein::PartitionedMesh>(std::move(in.mesh));
+    parts.local2global = std::move(in.local2global);
+    auto out = skein::adapt(comm, std::move(parts), std::move(in.target), std::move(in.fields), options);
     mesh.local2global = std::move(out.mesh.local2global);
-    mesh.mesh = from_parts(std::move(out.mesh));
+    mesh.mesh = converted<skein::SlicedMesh>(std::move(out.mesh));
     take(out, mesh, report);
   } else {
     auto out = skein::adapt(comm, std::move(in.mesh), std::move(in.target), std::move(in.fields), options);
@@ -231,13 +204,16 @@ const char* skein_last_error(void) { return last_error.c_str(); }
 
 void skein_options_init(skein_options* options) {
   const skein::Options o;
-  *options = {
-      o.complexity, o.h_min,   o.h_max, o.norm,  -1,     o.ridge_angle, 1, SKEIN_POINTS_EDGES, SKEIN_SMOOTHING_QUALITY,
-      o.rounds,     o.threads, 0,       nullptr, nullptr};
+  *options = {};
+  options->complexity = o.complexity, options->h_min = o.h_min, options->h_max = o.h_max, options->norm = o.norm;
+  options->gradation = -1, options->ridge_angle = o.ridge_angle, options->surface = o.surface ? 1 : 0;
+  options->points = SKEIN_POINTS_OF_METHOD, options->smoothing = SKEIN_SMOOTHING_OF_METHOD;
+  options->rounds = o.rounds, options->threads = o.threads;
 }
 
+// NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the caller in C owns the handle
 skein_mesh* skein_mesh_create(void) { return new (std::nothrow) skein_mesh; }
-void skein_mesh_destroy(skein_mesh* mesh) { delete mesh; }
+void skein_mesh_destroy(skein_mesh* mesh) { const std::unique_ptr<skein_mesh> last(mesh); }
 
 int skein_set_vertices(skein_mesh* mesh, int64_t n, const double* coords, const int32_t* refs) {
   return guarded([&] {

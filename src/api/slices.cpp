@@ -37,7 +37,7 @@ VertexListSlice to_list(const Comm& comm, Numbers numbers) {
 
 template <std::size_t N>
 EntitySlice<N> to_entities(const Comm& comm, std::vector<std::array<std::int64_t, N>> verts,
-                           std::vector<std::int32_t> refs) {
+                           std::vector<std::int32_t>&& refs) {
   EntitySlice<N> list;
   list.verts = converted<std::array<GlobalId, N>>(std::move(verts));
   list.ref = std::move(refs);

@@ -219,6 +219,7 @@ void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_
 
 void release(void* p) noexcept {
   const bool perhaps = p != nullptr && reinterpret_cast<std::uintptr_t>(p) % kLargePage == 0;
+  // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): this is what operator delete calls
   if (!perhaps || !large_blocks.release(p)) std::free(p);
 }
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/assert.hpp"
+
 namespace skein {
 
 enum class VertId : std::int32_t {};    ///< vertex, local to a rank or a part
@@ -49,7 +51,7 @@ constexpr FaceId make_face(TetId t, std::size_t side) noexcept {
   return FaceId{num(t) * 4 + static_cast<std::int32_t>(side)};
 }
 
-/// A std::vector that can be indexed only by its own identifier type.
+/// A std::vector that can be indexed only by its own identifier type. Heavy assertions check every index.
 template <Identifier Id, class T>
 class IdVector {
  public:
@@ -58,8 +60,14 @@ class IdVector {
   IdVector(std::size_t n, const T& v) : data_(n, v) {}
   explicit IdVector(std::vector<T> v) : data_(std::move(v)) {}
 
-  T& operator[](Id i) noexcept { return data_[idx(i)]; }
-  const T& operator[](Id i) const noexcept { return data_[idx(i)]; }
+  T& operator[](Id i) noexcept {
+    SKEIN_ASSERT_HEAVY(idx(i) < data_.size());
+    return data_[idx(i)];
+  }
+  const T& operator[](Id i) const noexcept {
+    SKEIN_ASSERT_HEAVY(idx(i) < data_.size());
+    return data_[idx(i)];
+  }
   [[nodiscard]] std::size_t size() const noexcept { return data_.size(); }
   [[nodiscard]] bool empty() const noexcept { return data_.empty(); }
   /// The identifier that the next push_back gets.

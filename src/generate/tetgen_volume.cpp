@@ -40,9 +40,10 @@ namespace {
 /// TetGen's exit numbers.
 enum TetgenExit : int { kOutOfMemory = 1, kSelfIntersection = 3, kSmallFeature = 4, kCloseFacets = 5 };
 
+// NOLINTBEGIN(cppcoreguidelines-owning-memory): ~tetgenio frees these arrays
 void set_input(const MeshSlice& mesh, const std::vector<Vec3>& seeds, const std::vector<Vec3>& holes, tetgenio& in) {
   in.numberofpoints = static_cast<int>(mesh.coords.size() + seeds.size());
-  in.pointlist = new double[3 * static_cast<std::size_t>(in.numberofpoints)];  // freed by ~tetgenio
+  in.pointlist = new double[3 * static_cast<std::size_t>(in.numberofpoints)];
   double* p = in.pointlist;
   for (const auto* points : {&mesh.coords, &seeds}) {
     for (const Vec3 x : *points) {
@@ -74,6 +75,7 @@ void set_input(const MeshSlice& mesh, const std::vector<Vec3>& seeds, const std:
     in.holelist[3 * h + 2] = holes[h].z;
   }
 }
+// NOLINTEND(cppcoreguidelines-owning-memory)
 
 tetgenbehavior behaviour() {
   tetgenbehavior b;

@@ -159,11 +159,11 @@ std::string TextFile::where(const Piece& piece, const char* p) const {
   return fmt::format("{}, line {}", path_, piece.line + std::count(text_.data() + piece.begin, p, '\n'));
 }
 
-void TextFile::throw_bad_token(const Piece& piece, const char* p, bool whole) const {
+void TextFile::throw_bad_token(const Piece& piece, const char* p, Wanted wanted) const {
   const char* stop = token_end(p, text_.data() + piece.end);
   const std::string_view token(p, std::min<std::size_t>(40, static_cast<std::size_t>(stop - p)));
   throw Error(ExitCode::kInput, fmt::format("{}: '{}' is not a {}: correct the file", where(piece, p), token,
-                                            whole ? "whole number" : "number"));
+                                            wanted == Wanted::kWholeNumber ? "whole number" : "number"));
 }
 
 std::vector<std::int64_t> TextFile::whole_numbers(std::int64_t begin, std::int64_t n) const {

@@ -48,11 +48,12 @@ class TextFile {
     std::int64_t first = 0, size = 0;
     std::int64_t line = 0;
   };
+  enum class Wanted : std::uint8_t { kNumber, kWholeNumber };
   void load(const Comm& comm);
   void scan(std::vector<TextWord>& mine, std::int64_t& numbers, std::int64_t& lines);
   void number_globally(std::int64_t numbers, std::int64_t lines, std::vector<TextWord>& mine);
   [[nodiscard]] std::string where(const Piece& piece, const char* p) const;
-  [[noreturn]] void throw_bad_token(const Piece& piece, const char* p, bool whole) const;
+  [[noreturn]] void throw_bad_token(const Piece& piece, const char* p, Wanted wanted) const;
   /// Calls f(i, p, end, piece) for the numbers in [begin, end) that are on this rank; f moves p behind the number.
   template <class F>
   void for_numbers(std::int64_t begin, std::int64_t end, F&& f) const;

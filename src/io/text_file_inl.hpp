@@ -70,7 +70,9 @@ std::vector<T> TextFile::slices(std::int64_t begin, std::int64_t records, int wi
       }
       const char* const start = p;
       T value;
-      if (!parse_number(p, stop, value)) throw_bad_token(piece, start, std::is_integral_v<T>);
+      if (!parse_number(p, stop, value)) {
+        throw_bad_token(piece, start, std::is_integral_v<T> ? Wanted::kWholeNumber : Wanted::kNumber);
+      }
       check(i - begin, value, [&] { return where(piece, start); });
       mine.push_back(value);
     });

@@ -291,6 +291,16 @@ Rim rim_of(const Part& p, const Shell& s, int i) noexcept {
   const EdgeBits e = p.edges[t];
   return {{face[a], face[b]}, {tag[a], tag[b]}, e.of(kEdgeOf[c][d]), {e.of(kEdgeOf[b][c]), e.of(kEdgeOf[a][c])}};
 }
+
+/// All that is kept of a new tetrahedron besides its vertices and neighbours.
+void set_fresh(Part& p, TetId t, std::int32_t ref, double q3, EdgeBits edges) noexcept {
+  p.edges[t] = edges;
+  p.q3[t] = static_cast<float>(q3);
+  p.dirty[t] = kAnew;
+  p.refused[t] = 0;
+  p.tet_mark[t] = 0;
+  p.mesh.tet_ref[t] = ref;
+}
 }  // namespace
 
 void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles) {
@@ -344,12 +354,7 @@ void Cavity::commit_ring(const Shell& s, std::span<const RingTriangle> triangles
     for (std::size_t side = 0; side < 2; ++side) {
       EdgeBits edges;
       for (std::size_t e = 0; e < 6; ++e) edges.add(e, classes[side][e]);
-      p.edges[t[side]] = edges;
-      p.q3[t[side]] = static_cast<float>(side == 0 ? with_b : with_a);
-      p.dirty[t[side]] = kAnew;
-      p.refused[t[side]] = 0;
-      p.tet_mark[t[side]] = 0;
-      m.tet_ref[t[side]] = ref;
+      set_fresh(p, t[side], ref, side == 0 ? with_b : with_a, edges);
     }
     m.vert2tet[vi] = m.vert2tet[vk] = m.vert2tet[vj] = m.vert2tet[s.b] = t[0];
     m.vert2tet[s.a] = t[1];

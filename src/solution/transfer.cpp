@@ -96,9 +96,9 @@ void Background::evaluate(const Place& place, double* out) const noexcept {
 }
 
 /// Collective. Asks rank dest[i] for the values at point who[i], and keeps the answers that are nearer than what is
-/// there; of equal ones the first. `inside`: only places inside of a tetrahedron are wanted.
+/// there; of equal ones the first.
 void Background::ask(Asking& a, const std::vector<Rank>& dest, const std::vector<std::uint32_t>& who,
-                     bool inside) const {
+                     Beyond beyond) const {
   std::vector<Question> questions(who.size());
   for (std::size_t i = 0; i < who.size(); ++i) questions[i] = {a.points[who[i]], a.distance2[who[i]]};
   const Inquiry<Question> inquiry(*comm_, dest, questions);
@@ -111,7 +111,7 @@ void Background::ask(Asking& a, const std::vector<Rank>& dest, const std::vector
         Place place;
         if (found != nullptr) {
           place = *found;
-        } else if (!inside) {
+        } else if (beyond == Beyond::kNearest) {
           place = locator_.nearest(asked[i].x, asked[i].limit2);
         }
         answers[i * width] = place.distance2;
@@ -142,7 +142,7 @@ void Background::ask_ranks_inside(Asking& a) const {
       return false;
     });
   }
-  ask(a, dest, who, true);
+  ask(a, dest, who, Beyond::kNothing);
   std::erase_if(a.missing, [&](std::uint32_t i) { return a.distance2[i] == 0; });
 }
 
@@ -160,7 +160,7 @@ void Background::ask_nearest(Asking& a) const {
     });
     dest[m] = box2rank_[nearest];
   }
-  ask(a, dest, a.missing, false);
+  ask(a, dest, a.missing, Beyond::kNearest);
 
   std::vector<Rank> ranks, others;
   std::vector<std::uint32_t> who;
@@ -177,7 +177,7 @@ void Background::ask_nearest(Asking& a) const {
       who.push_back(i);
     }
   }
-  ask(a, others, who, false);
+  ask(a, others, who, Beyond::kNearest);
 }
 
 /// Collective. `away`: points that this rank's own part does not hold.

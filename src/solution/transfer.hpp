@@ -37,9 +37,11 @@ class Background {
 
  private:
   struct Asking;
+  /// What a rank answers for a point that none of its tetrahedra holds.
+  enum class Beyond : std::uint8_t { kNothing, kNearest };
   void ask_ranks_inside(Asking& a) const;
   void ask_nearest(Asking& a) const;
-  void ask(Asking& a, const std::vector<Rank>& dest, const std::vector<std::uint32_t>& who, bool inside) const;
+  void ask(Asking& a, const std::vector<Rank>& dest, const std::vector<std::uint32_t>& who, Beyond beyond) const;
   [[nodiscard]] TransferReport make_report(const Asking& a, std::int64_t away) const;
   void evaluate(const Place& place, double* out) const noexcept;
 

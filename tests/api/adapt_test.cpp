@@ -1,6 +1,8 @@
 // The library on arrays: both conventions, carried fields, errors, progress, communicators.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <fstream>
 #include <functional>
 #include <string>
 
@@ -161,6 +163,77 @@ TEST(Adapt, ErrorsTellWhatIsWrong) {
   expect(ErrorCode::kInvalidMesh, "not in the mesh: 161", [](M& m, T&, F&, O&) { m.tets.back()[0] = 64; });
   expect(ErrorCode::kInvalidMesh, "inverted", [](M& m, T&, F&, O&) { std::swap(m.tets[0][0], m.tets[0][1]); });
   if (!alone) expect(ErrorCode::kUsage, "the same on all ranks", [](M&, T&, F&, O& o) { o.rounds = 2; });
+}
+
+/// The methods of tests: as the program reads them.
+constexpr const char* kChapter = "preset = \"chapter\"\n";
+constexpr const char* kChapterOtherwise = "preset = \"chapter\"\n[swap]\ngain = 1.3\n";
+
+/// A file of this text, written by rank 0, as long as it lives.
+class TextFile {
+ public:
+  explicit TextFile(const std::string& text)
+      : path_("api_adapt_test.np" + std::to_string(ranks_in(MPI_COMM_WORLD)) + ".toml") {
+    if (rank_in(MPI_COMM_WORLD) == 0) std::ofstream(path_) << text;
+  }
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+  ~TextFile() {
+    if (rank_in(MPI_COMM_WORLD) == 0) std::remove(path_.c_str());
+  }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+TEST(Method, ByItsNameByTextAndByFileIsTheSame) {
+  const auto coords_with = [](const std::function<void(Options&)>& choose) {
+    Options options;
+    choose(options);
+    return adapt_cube(MPI_COMM_WORLD, options).mesh.coords;
+  };
+  const auto differ = [](const std::vector<Point>& a, const std::vector<Point>& b) {
+    int differ = a != b ? 1 : 0;
+    MPI_Allreduce(MPI_IN_PLACE, &differ, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    return differ != 0;
+  };
+  const auto usual = coords_with([](Options&) {});
+  const auto chapter = coords_with([](Options& o) { o.preset = "chapter"; });
+  EXPECT_TRUE(differ(usual, chapter));
+  EXPECT_EQ(chapter, coords_with([](Options& o) { o.config = kChapter; }));
+  EXPECT_EQ(chapter, coords_with([](Options& o) {
+              o.points = Options::Points::kCentroids;
+              o.smoothing = Options::Smoothing::kSprings;
+            }));
+  EXPECT_EQ(usual, coords_with([](Options& o) {
+              o.preset = "chapter";
+              o.points = Options::Points::kEdges;
+              o.smoothing = Options::Smoothing::kQuality;
+            }));
+  const TextFile file(kChapterOtherwise);
+  const auto otherwise = coords_with([&](Options& o) { o.config_file = file.path(); });
+  EXPECT_TRUE(differ(otherwise, chapter));
+  EXPECT_EQ(otherwise, coords_with([](Options& o) { o.config = kChapterOtherwise; }));
+}
+
+TEST(Method, ErrorsTellWhatIsWrong) {
+  const auto expect = [](ErrorCode code, const std::string& part, const std::function<void(Options&)>& spoil) {
+    Options options;
+    spoil(options);
+    const Thrown t = thrown_by(MPI_COMM_WORLD, [&] { (void)adapt_cube(MPI_COMM_WORLD, options); });
+    EXPECT_EQ(t.code, code) << t.text;
+    EXPECT_NE(t.text.find(part), std::string::npos) << t.text;
+  };
+  expect(ErrorCode::kUsage, "there is no method 'best'", [](Options& o) { o.preset = "best"; });
+  expect(ErrorCode::kUsage, "only one of", [](Options& o) { o.preset = "quick", o.config = kChapter; });
+  expect(ErrorCode::kInput, "Options::config:2: there is no 'swap.gian'",
+         [](Options& o) { o.config = "[swap]\ngian = 1.3\n"; });
+  expect(ErrorCode::kInput, "no_such_file.toml: cannot be read",
+         [](Options& o) { o.config_file = "no_such_file.toml"; });
+  if (ranks_in(MPI_COMM_WORLD) == 1) return;
+  expect(ErrorCode::kUsage, "the same on all ranks",
+         [](Options& o) { o.preset = rank_in(MPI_COMM_WORLD) == 1 ? "quick" : "chapter"; });
 }
 
 TEST(Adapt, PartsThatDoNotFitAreRefused) {

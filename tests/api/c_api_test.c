@@ -119,6 +119,24 @@ static void test_errors(int rank) {
   skein_mesh_destroy(mesh);
 }
 
+/* A method by its name and as a text: the same mesh, and another one than without. */
+static void test_methods(int rank) {
+  static const char* const presets[] = {"chapter", NULL, NULL, "no such method"};
+  static const char* const configs[] = {NULL, "preset = \"chapter\"", NULL, NULL};
+  skein_report reports[3];
+  for (int i = 0; i < 4; ++i) {
+    skein_mesh* mesh = cube(rank, 0);
+    skein_options options;
+    skein_options_init(&options);
+    options.preset = presets[i];
+    options.config = configs[i];
+    EXPECT(skein_adapt(MPI_COMM_WORLD, mesh, &options, i < 3 ? &reports[i] : NULL) == (i < 3 ? SKEIN_OK : SKEIN_USAGE));
+    skein_mesh_destroy(mesh);
+  }
+  EXPECT(reports[0].tets == reports[1].tets && reports[0].quality_mean == reports[1].quality_mean);
+  EXPECT(reports[0].quality_mean != reports[2].quality_mean);
+}
+
 int main(int argc, char** argv) {
   int rank = 0;
   MPI_Init(&argc, &argv);
@@ -127,6 +145,7 @@ int main(int argc, char** argv) {
   make_cube();
   test_adapt(rank, 0);
   test_adapt(rank, 1);
+  test_methods(rank);
   test_errors(rank);
   MPI_Allreduce(MPI_IN_PLACE, &failures, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
   MPI_Finalize();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "tests/support/world.hpp"
@@ -63,8 +64,9 @@ int main(int argc, char** argv) {
   skein::test::all_ranks = &world;
   if (!world.is_root()) {
     auto& listeners = ::testing::UnitTest::GetInstance()->listeners();
-    delete listeners.Release(listeners.default_result_printer());
-    listeners.Append(new skein::test::FailurePrinter(world.rank()));
+    const std::unique_ptr<::testing::TestEventListener> usual(listeners.Release(listeners.default_result_printer()));
+    auto printer = std::make_unique<skein::test::FailurePrinter>(world.rank());
+    listeners.Append(printer.release());  // which owns it from now on
   }
   std::int32_t failed = RUN_ALL_TESTS();
   if (skein::test::leaks_memory()) failed = 1;
