@@ -111,6 +111,7 @@ IdVector<VertId, VertId> make_gaps(Part& p, std::size_t n) {
     m.tet2face.push_back(m.tet2face[t]);
     m.face_tag.push_back(m.face_tag[t]);
     m.tet_ref.push_back(m.tet_ref[t]);
+    m.tet_class.push_back(m.tet_class[t]);
     for (const VertId v : m.tet2vert[to]) m.vert2tet[v] = to;
     for (std::size_t f = 0; f < 4; ++f) {
       const FaceId other = m.tet2face[to][f];

@@ -117,7 +117,7 @@ void make_gaps(TetMesh& m, std::size_t n) {
     for (VertId& v : tv) v = old2new[v];
   }
   FeatureEdges features;
-  for (const auto& e : m.features.list()) features.insert({old2new[e.a], old2new[e.b], e.ref, e.ridge});
+  for (const auto& e : m.features.list()) features.insert({old2new[e.a], old2new[e.b], e.ref, e.edge_class});
   m.features = std::move(features);
 }
 

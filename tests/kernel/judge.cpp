@@ -27,7 +27,7 @@ bool same_edges(const FeatureEdges& a, const FeatureEdges& b) {
   if (a.size() != b.size()) return false;
   return std::all_of(a.list().begin(), a.list().end(), [&](const FeatureEdge& e) {
     const FeatureEdge* o = b.find(e.a, e.b);
-    return o != nullptr && o->ref == e.ref && o->ridge == e.ridge;
+    return o != nullptr && o->ref == e.ref && o->edge_class == e.edge_class;
   });
 }
 
@@ -116,7 +116,7 @@ std::string judge(const Part& part) {
     if (!m.is_live(t)) continue;
     for (const auto& e : kEdgeVerts) {
       const VertId a = m.tet2vert[t][e[0]], b = m.tet2vert[t][e[1]];
-      if (const FeatureEdge* f = m.features.find(a, b)) used.insert({a, b, f->ref, f->ridge});
+      if (const FeatureEdge* f = m.features.find(a, b)) used.insert({a, b, f->ref, f->edge_class});
     }
   }
   if (used.size() != m.features.size()) return "a feature edge is no edge of any tetrahedron";

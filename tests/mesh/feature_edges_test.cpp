@@ -11,14 +11,14 @@
 namespace skein::test {
 namespace {
 
-using Model = std::map<std::pair<VertId, VertId>, std::pair<int, bool>>;
+using Model = std::map<std::pair<VertId, VertId>, std::pair<int, FeatureClass>>;
 
 void expect_equal(const FeatureEdges& edges, const Model& model) {
   RC_ASSERT(edges.size() == model.size());
   for (const auto& [key, value] : model) {
     const FeatureEdge* e = edges.find(key.second, key.first);  // in either order
     RC_ASSERT(e != nullptr);
-    RC_ASSERT(e->a == key.first && e->b == key.second && e->ref == value.first && e->ridge == value.second);
+    RC_ASSERT(e->a == key.first && e->b == key.second && e->ref == value.first && e->edge_class == value.second);
     RC_ASSERT(e == edges.find(key.first, key.second));
   }
   for (const FeatureEdge& e : edges.list()) RC_ASSERT(e.a < e.b && model.count({e.a, e.b}) == 1);
@@ -38,9 +38,9 @@ RC_GTEST_PROP(FeatureEdges, ActsAsAMap, (std::uint32_t seed)) {
     const auto key = std::minmax(a, b);
     if (random() % 5 < 3) {
       const int ref = static_cast<int>(random() % 7);
-      const bool ridge = random() % 2 == 0;
-      edges.insert({a, b, ref, ridge});
-      model[key] = {ref, ridge};
+      const FeatureClass edge_class = random() % 2 == 0 ? kRidgeEdge : kThinEdge;
+      edges.insert({a, b, ref, edge_class});
+      model[key] = {ref, edge_class};
     } else {
       edges.erase(a, b);
       model.erase(key);
@@ -55,11 +55,11 @@ TEST(FeatureEdges, AskingAndErasingInTheEmptySet) {
   FeatureEdges edges;
   EXPECT_EQ(edges.find(VertId{1}, VertId{2}), nullptr);
   edges.erase(VertId{1}, VertId{2});
-  edges.insert({VertId{3}, VertId{1}, 5, true});
+  edges.insert({VertId{3}, VertId{1}, 5, kRidgeEdge});
   edges.clear();
   EXPECT_EQ(edges.size(), 0u);
   EXPECT_EQ(edges.find(VertId{1}, VertId{3}), nullptr);
-  edges.insert({VertId{3}, VertId{1}, 6, false});
+  edges.insert({VertId{3}, VertId{1}, 6, FeatureClass{}});
   ASSERT_NE(edges.find(VertId{1}, VertId{3}), nullptr);
   EXPECT_EQ(edges.find(VertId{1}, VertId{3})->ref, 6);
 }

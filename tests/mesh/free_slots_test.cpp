@@ -69,7 +69,7 @@ Corners features_of_mesh(const TetMesh& m) {
     const auto [a, b] = std::minmax({place(m, e.a), place(m, e.b)});
     out.push_back(a);
     out.push_back(b);
-    out.push_back({static_cast<double>(e.ref), e.ridge ? 1.0 : 0.0, 0});
+    out.push_back({static_cast<double>(e.ref), static_cast<double>(e.edge_class), 0});
   }
   return out;
 }

@@ -39,6 +39,7 @@ TetMesh mesh_of(const WholeMesh& cells) {
     m.tet2vert.push_back({to_id<VertId>(t[0]), to_id<VertId>(t[1]), to_id<VertId>(t[2]), to_id<VertId>(t[3])});
   }
   m.tet_ref = IdVector<TetId, std::int32_t>(cells.tet_ref);
+  m.tet_class.assign(m.tet_slots(), TetClass{});
   return m;
 }
 
@@ -116,7 +117,7 @@ void find_features(TetMesh& m) {
     if (!faces.feature) continue;
     const Vec3 d = m.coords[e[1]] - m.coords[e[0]];
     const bool x = std::abs(d.x) > std::max(std::abs(d.y), std::abs(d.z)), y = std::abs(d.y) > std::abs(d.z);
-    m.features.insert({e[0], e[1], x ? 1 : y ? 2 : 3, true});
+    m.features.insert({e[0], e[1], x ? 1 : y ? 2 : 3, kRidgeEdge});
     along[e[0]].push_back(e[1]);
     along[e[1]].push_back(e[0]);
   }
@@ -177,6 +178,7 @@ TetMesh cut_out(const TetMesh& whole, const IdVector<TetId, int>& label, int b, 
     tet2part[t] = m.tet2vert.push_back(v);
     m.face_tag.push_back(whole.face_tag[t]);
     m.tet_ref.push_back(whole.tet_ref[t]);
+    m.tet_class.push_back(whole.tet_class[t]);
   }
   for_each_vert_column(m, whole, [&](auto& to, const auto& from) { gather_column(to, from, verts); });
   build_adjacency(m);
@@ -189,7 +191,7 @@ TetMesh cut_out(const TetMesh& whole, const IdVector<TetId, int>& label, int b, 
       const VertId a = whole.tet2vert[t][e[0]];
       const VertId c = whole.tet2vert[t][e[1]];
       if (const FeatureEdge* f = whole.features.find(a, c)) {
-        m.features.insert({whole2part[a], whole2part[c], f->ref, f->ridge});
+        m.features.insert({whole2part[a], whole2part[c], f->ref, f->edge_class});
       }
     }
   }
