@@ -106,14 +106,16 @@ class Errors(Case):
         write_mesh(bad, self.verts, self.tets, self.tris)
         self.refused(INPUT, ["nan.mesh", "vertex 22"], *self.adapt(mesh=bad))
 
-    def test_inverted_tetrahedra(self):
-        for t in (4, 77):
-            a, b, c, d = self.tets[t]
-            self.tets[t] = (b, a, c, d)
+    def test_flat_tetrahedra(self):
+        a, b, c, _ = self.tets[5]
+        self.verts.append(tuple((self.verts[a][k] + self.verts[b][k]) / 2 for k in range(3)))
+        self.tets[5] = (a, b, c, len(self.verts) - 1)
+        self.tets[78] = (a, b, c, len(self.verts) - 1)
+        write_solution(self.metric, [isotropic(0.25)] * len(self.verts))
         bad = self.path("inverted.mesh")
         write_mesh(bad, self.verts, self.tets, self.tris)
         self.keep_old_output()
-        self.refused(INVALID_MESH, ["inverted.mesh", "5", "78"], *self.adapt(mesh=bad))
+        self.refused(INVALID_MESH, ["inverted.mesh", "flat", "6", "79"], *self.adapt(mesh=bad))
 
     def test_vertex_out_of_range(self):
         self.tets[10] = (*self.tets[10][:3], len(self.verts))
