@@ -9,6 +9,7 @@
 
 #include "api/values.hpp"
 #include "base/text.hpp"
+#include "solution/demand.hpp"
 #include "solution/transfer.hpp"
 
 namespace skein {
@@ -112,6 +113,7 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
   log.start("metric");
   VertFields fields = take_carried(dist, width);
   const GradationReport graded = make_metric(comm, dist, options.metric);
+  require_affordable(comm, dist, options.metric.name, options.metric.max_tets);
   Carrier carrier(comm, dist, std::move(fields));
   log.finish(local_tets(dist));
   note_gradation(log, graded, dist.global_verts);

@@ -67,6 +67,7 @@ Json to_json(const Options& o) {
   if (o.metric.numbers.h_min > 0) j["hmin"] = o.metric.numbers.h_min;
   if (o.metric.numbers.h_max < kNoLargestSize) j["hmax"] = o.metric.numbers.h_max;
   if (o.metric.numbers.gradation > 0) j["gradation"] = o.metric.numbers.gradation;
+  if (o.metric.numbers.max_tets > 0) j["max_elements"] = o.metric.numbers.max_tets;
   if (o.merge) j["merge"] = *o.merge;
   if (!o.fields.in.empty()) j["field_in"] = o.fields.in;
   if (!o.fields.out.empty()) j["field_out"] = o.fields.out;
@@ -164,6 +165,9 @@ void add_adapt(CLI::App& cli, Run& run) {
   verb->add_option("--hmax", o->metric.numbers.h_max, "largest edge length")->check(CLI::PositiveNumber);
   verb->add_option("--gradation", o->gradation,
                    "sizes grow at most by this factor per edge (> 1; 0: no bound); 1.3 with --size, else 0");
+  verb->add_option("--max-elements", o->metric.numbers.max_tets,
+                   "refuse sizes that ask for more tetrahedra (else: for more than there is memory for)")
+      ->check(CLI::PositiveNumber);
   add_field_options(*verb, o->fields);
   add_merge_option(*verb, o->merge);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));

@@ -144,6 +144,28 @@ class Errors(Case):
         self.refused(INPUT, ["sizes.sol", "vertex 21"], "adapt", self.good, "--size", sizes, "-o",
                      self.path("out.meshb"))
 
+    def test_sizes_that_cannot_be_meant(self):
+        sizes, out = self.path("sizes.sol"), self.path("out.meshb")
+        n = len(self.verts)
+        for h in (1e-30, 1e-4):
+            write_solution(sizes, [(h,)] * n)
+            self.refused(INPUT, ["sizes.sol", "tetrahedra are asked for", "GB", "--max-elements"], "adapt", self.good,
+                         "--size", sizes, "-o", out)
+        write_solution(sizes, [(0.05,)] * n)
+        self.refused(INPUT, ["limit of 100", "--max-elements"], "adapt", self.good, "--size", sizes, "-o", out,
+                     "--max-elements", "100")
+        write_solution(sizes, [(0.25,)] * 20 + [(1e-150,)] + [(0.25,)] * (n - 21))
+        self.refused(INPUT, ["sizes.sol", "vertex 21", "1e-150"], "adapt", self.good, "--size", sizes, "-o", out)
+
+    def test_sizes_without_limit(self):
+        out = self.path("out.mesh")
+        for rows in ([isotropic(1e30)] * 64, [(0.0,) * 6] * 64, [(16.0, 0, 16.0, 0, 0, 0)] * 64):
+            write_solution(self.metric, rows)
+            for ranks in RANKS:
+                result = run(ranks, "adapt", self.good, "--metric", self.metric, "-o", out)
+                self.assertEqual(result.code, 0, result.err)
+                self.assertEqual(run(1, "check", out).code, 0)
+
     def test_triangles_that_are_not_faces(self):
         self.tris[7] = (0, 1, len(self.verts) - 1, 1)
         bad = self.path("loose.mesh")
