@@ -134,6 +134,9 @@ double wall_time() noexcept;
 double cpu_time() noexcept;
 /// Largest resident memory of this process so far, in bytes.
 std::int64_t peak_memory() noexcept;
+/// Collective. Bytes that each rank may still take: the free memory of its machine (or of its control group, if that
+/// has a limit) over the ranks on that machine, the least of all ranks; the largest number where it is not known.
+std::int64_t free_memory(const Comm& comm);
 /// Returns memory that is free but still kept by the allocator to the system. Arrays of a few megabytes that are
 /// allocated and freed leave gaps that no later array fits into. Takes about a millisecond, so call it at the end of a
 /// phase.

@@ -9,6 +9,7 @@
 
 #include "api/values.hpp"
 #include "base/text.hpp"
+#include "solution/demand.hpp"
 #include "solution/transfer.hpp"
 
 namespace skein {
@@ -20,7 +21,11 @@ void note_findings(PhaseLog& log, const DistributeReport& r) {
   const auto note = [&](std::int64_t n, const char* what) {
     if (n > 0) log.note(fmt::format("note: {} {}", grouped(n), what));
   };
-  if (r.flipped) log.note("note: all tetrahedra were negatively oriented and have been turned");
+  note(r.turned_tets, "tetrahedra were negatively oriented and have been turned");
+  note(r.double_tets, "tetrahedra were given again and are dropped");
+  note(r.double_triangles, "triangles were given again and are dropped");
+  note(r.double_edges, "edges were given again and are dropped");
+  note(r.crack_verts, "pairs of vertices at one place stay apart: both sides have triangles (a crack)");
   note(r.untagged_hull_faces, "faces of the hull have no triangle; they become a patch of their own");
   note(r.untagged_region_faces, "faces between regions have no triangle; they become a patch of their own");
   note(r.unused_verts, "vertices of no tetrahedron are dropped");
@@ -109,6 +114,7 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
   log.start("metric");
   VertFields fields = take_carried(dist, width);
   const GradationReport graded = make_metric(comm, dist, options.metric);
+  require_affordable(comm, dist, options.metric.name, options.metric.max_tets);
   Carrier carrier(comm, dist, std::move(fields));
   log.finish(local_tets(dist));
   note_gradation(log, graded, dist.global_verts);

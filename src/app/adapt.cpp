@@ -13,6 +13,7 @@
 #include "api/adaptation.hpp"
 #include "app/field_transfer.hpp"
 #include "app/files.hpp"
+#include "app/merge_input.hpp"
 #include "app/metric_input.hpp"
 #include "app/run_report.hpp"
 #include "app/threads.hpp"
@@ -27,7 +28,7 @@ struct Options {
   RunOptions run;
   MetricOptions metric;
   FieldOptions fields;
-  std::optional<double> gradation;
+  std::optional<double> gradation, merge;
   AdaptOptions adapt;
   std::string preset = "default", config, points, smoothing;  ///< the last two empty: as the method has it
   bool dump_config = false;
@@ -66,6 +67,8 @@ Json to_json(const Options& o) {
   if (o.metric.numbers.h_min > 0) j["hmin"] = o.metric.numbers.h_min;
   if (o.metric.numbers.h_max < kNoLargestSize) j["hmax"] = o.metric.numbers.h_max;
   if (o.metric.numbers.gradation > 0) j["gradation"] = o.metric.numbers.gradation;
+  if (o.metric.numbers.max_tets > 0) j["max_elements"] = o.metric.numbers.max_tets;
+  if (o.merge) j["merge"] = *o.merge;
   if (!o.fields.in.empty()) j["field_in"] = o.fields.in;
   if (!o.fields.out.empty()) j["field_out"] = o.fields.out;
   j["rounds"] = o.adapt.rounds, j["threads"] = o.adapt.threads;
@@ -86,6 +89,7 @@ AdaptationInput read_input(const Comm& comm, const Options& o, RunRecord& record
   const int metric_width = input.values.width;
   fields = read_fields_behind(comm, input.mesh, o.fields, input.values);
   input.carried = input.values.width - metric_width;
+  merge_input(comm, o.merge, input.mesh, &input.values, [&](const std::string& line) { record.log.note(line); });
   record.elements_in = input.mesh.tets.total, record.vertices_in = input.mesh.total_verts;
   record.log.finish(static_cast<std::int64_t>(input.mesh.tets.verts.size()));
   record.lap("read");
@@ -161,7 +165,11 @@ void add_adapt(CLI::App& cli, Run& run) {
   verb->add_option("--hmax", o->metric.numbers.h_max, "largest edge length")->check(CLI::PositiveNumber);
   verb->add_option("--gradation", o->gradation,
                    "sizes grow at most by this factor per edge (> 1; 0: no bound); 1.3 with --size, else 0");
+  verb->add_option("--max-elements", o->metric.numbers.max_tets,
+                   "refuse sizes that ask for more tetrahedra (else: for more than there is memory for)")
+      ->check(CLI::PositiveNumber);
   add_field_options(*verb, o->fields);
+  add_merge_option(*verb, o->merge);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
   add_method_options(*verb, *o);
   verb->add_option("--ridge-angle", o->ridge_angle, "surface edges folded more than this are kept, degrees")

@@ -1,7 +1,12 @@
 // skein convert: meshes and solutions from one format to another.
+#include <fmt/core.h>
+
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "app/files.hpp"
+#include "app/merge_input.hpp"
 #include "app/verbs.hpp"
 #include "io/mesh_io.hpp"
 
@@ -10,6 +15,7 @@ namespace {
 
 struct Options {
   std::string input, output;
+  std::optional<double> merge;
 };
 
 ExitCode convert(const Comm& comm, const Options& o) {
@@ -21,7 +27,11 @@ ExitCode convert(const Comm& comm, const Options& o) {
   }
   require_input(comm, o.input, {".mesh", ".meshb", ".sol", ".solb"});
   require_output(comm, o.output, kMeshOutputs);
-  write_mesh(comm, o.output, read_mesh(comm, o.input));
+  MeshSlice mesh = read_mesh(comm, o.input);
+  merge_input(comm, o.merge, mesh, nullptr, [&](const std::string& line) {
+    if (comm.is_root()) fmt::print("{}\n", line);
+  });
+  write_mesh(comm, o.output, mesh);
   return ExitCode::kOk;
 }
 
@@ -32,6 +42,7 @@ void add_convert(CLI::App& cli, Run& run) {
   CLI::App* verb = cli.add_subcommand("convert", "Convert a mesh or a solution to another format");
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb) or solution (.sol, .solb)")->required();
   verb->add_option("OUT", o->output, "mesh (.mesh, .meshb, .vtu, .pvtu) or solution (.sol, .solb)")->required();
+  add_merge_option(*verb, o->merge);
   verb->footer("Example: skein convert wing.mesh wing.vtu");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return convert(comm, *o); }; });
 }

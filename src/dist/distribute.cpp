@@ -59,9 +59,11 @@ DistMesh distribute(const Comm& comm, const MeshSlice& file, const FieldSlice* f
                     DistributeReport* report) {
   using namespace distributing;
   DistributeReport found;
-  const FileSource src = open_source(comm, file, fields, options);
+  FileSource src = open_source(comm, file, fields, options);
+  found.double_edges = count_double_edges(src);
   Growing g = place_tets(src, found);
-  match_and_tag_faces(src, g, found);
+  while (!match_and_tag_faces(src, g, found)) g = place_tets(src, found);
+  if (options.check_hull) check_hull(src, g, found);
   rebuild_sharing(comm, g.dist);
   std::vector<Offence> overlapping;  // a closed star here, and more tetrahedra at the vertex elsewhere
   for (const VertId v : IdRange<VertId>(g.many.size())) {

@@ -14,6 +14,7 @@ struct DistributeOptions {
   /// The first 6 numbers of the fields are a log-metric (Medit order): they become the column log_metric, what is left
   /// becomes `fields`.
   bool metric_first = false;
+  bool check_hull = true;         ///< look for faces of the hull that meet without being one
   bool work_from_metric = false;  ///< with metric_first: balance predicted work, not tetrahedra
 };
 
@@ -24,7 +25,11 @@ struct DistributeReport {
   std::int64_t unused_verts = 0;           ///< vertices of no tetrahedron, dropped
   std::int64_t lost_edges = 0;             ///< edges of the file that are no edge of any tetrahedron, dropped
   std::int64_t found_ridges = 0;           ///< ridges that the file does not name
-  bool flipped = false;                    ///< all tetrahedra were negatively oriented and have been turned
+  std::int64_t turned_tets = 0;            ///< tetrahedra that were negatively oriented and have been turned
+  std::int64_t double_tets = 0;            ///< tetrahedra given again, dropped
+  std::int64_t double_triangles = 0;       ///< triangles given again, dropped
+  std::int64_t double_edges = 0;           ///< edges given again, dropped
+  std::int64_t crack_verts = 0;            ///< pairs of vertices at one place on matching sides of the hull (cracks)
 };
 
 /// Collective. The mesh of all ranks' slices, partitioned along the Hilbert curve; tetrahedra in Hilbert order,
@@ -41,11 +46,16 @@ struct DistributeReport {
 /// vertices where the tagged faces are not one fan. Ends of required edges become required. No vertex is marked
 /// kActive; kFrozen is on the shared ones.
 ///
+/// The order of the vertices of an entity carries no meaning: tetrahedra of negative volume are turned. What is given
+/// again with the same reference is dropped, the one with the lowest number stays. An edge given with several
+/// references keeps the lowest.
+///
 /// Throws on all ranks, naming up to five entities by their number in the file and how many there are:
 /// Error(kInvalidMesh) for coordinates that are not finite, vertex numbers out of range, tetrahedra with a repeated
-/// vertex, inverted or flat ones (unless all are inverted, then they are turned), duplicate ones, faces with more than
-/// two tetrahedra or with two on one side, triangles that are no face or given twice; Error(kInput) when
-/// the fields do not fit the mesh.
+/// vertex, flat ones (volume exactly 0), tetrahedra and triangles given again with another reference, faces with more
+/// than two tetrahedra or with two on one side, triangles that are no face; for what find_hull_contacts() and
+/// find_nested() tell (check_hull): vertices inside faces or edges, faces that cover each other, overlapping
+/// tetrahedra, vertices that are not merged. Error(kInput) when the fields do not fit the mesh.
 DistMesh distribute(const Comm& comm, const MeshSlice& file, const FieldSlice* fields = nullptr,
                     const DistributeOptions& options = {}, DistributeReport* report = nullptr);
 

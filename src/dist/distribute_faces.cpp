@@ -82,7 +82,8 @@ struct Triangle {
 };
 struct Verdict {
   FaceTag tag = 0;
-  std::uint16_t speaks = 0;
+  std::uint8_t speaks = 0;
+  std::uint8_t again = 0;  ///< the tetrahedron is given again: drop it
 };
 
 // Patch numbers that are not known yet when a face is judged.
@@ -147,39 +148,53 @@ class Court {
     for (std::size_t i = 0; i < order.size();) {
       std::size_t j = i + 1;
       while (j < order.size() && sides_[order[j]].gid == sides_[order[i]].gid) ++j;
-      const Triangle* triangle = nullptr;
+      Triangle* triangle = nullptr;
       for (; t < triangles_.size() && triangles_[t].gid <= sides_[order[i]].gid; ++t)
         take(triangles_[t], triangles_[t].gid == sides_[order[i]].gid, triangle);
       judge_face({order.data() + i, j - i}, triangle);
       i = j;
     }
     for (; t < triangles_.size(); ++t) {
-      const Triangle* none = nullptr;
+      Triangle* none = nullptr;
       take(triangles_[t], false, none);
     }
   }
 
  private:
-  void take(const Triangle& t, bool is_face, const Triangle*& triangle) {
+  void take(const Triangle& t, bool is_face, Triangle*& triangle) {
     const Offence o{t.number, -1, {t.gid[0], t.gid[1], t.gid[2], kNoGlobal}};
     if (!is_face) {
       stray_triangles.push_back(o);
-    } else if (triangle != nullptr) {
+    } else if (triangle == nullptr) {
+      first_ = t;
+      triangle = &first_;
+    } else if (triangle->ref != t.ref) {
       double_triangles.push_back({triangle->number, t.number, o.verts});
     } else {
-      triangle = &t;
+      triangle->required |= t.required;
+      ++triangles_again;
+    }
+  }
+
+  /// Tetrahedra given several times come here with four faces each; the one opposite to the highest vertex speaks.
+  void judge_copies(std::span<const std::uint32_t> group) {
+    for (std::size_t k = 1; k < group.size(); ++k) {
+      const Side& d = sides_[group[k]];
+      if (d.opposite < d.gid[2]) continue;
+      const auto same = std::find_if(group.begin(), group.begin() + static_cast<std::ptrdiff_t>(k),
+                                     [&](std::uint32_t i) { return sides_[i].opposite == d.opposite; });
+      const Side& c = sides_[*same];
+      if (&c == &d) continue;
+      if (c.ref != d.ref) double_tets.push_back({c.tet, d.tet, {c.gid[0], c.gid[1], c.gid[2], c.opposite}});
+      verdicts[group[k]].again = 1;
+      ++tets_again;
     }
   }
 
   void judge_face(std::span<const std::uint32_t> group, const Triangle* triangle) {
     const Side &a = sides_[group.front()], &b = sides_[group.back()];
     const Offence offence{a.tet, b.tet, {a.gid[0], a.gid[1], a.gid[2], kNoGlobal}};
-    for (std::size_t k = 1; k < group.size(); ++k) {
-      const Side &c = sides_[group[k - 1]], &d = sides_[group[k]];
-      // Four faces of a tetrahedron come up; the one opposite to its highest vertex speaks.
-      if (c.opposite == d.opposite && c.opposite > c.gid[2])
-        double_tets.push_back({c.tet, d.tet, {c.gid[0], c.gid[1], c.gid[2], c.opposite}});
-    }
+    judge_copies(group);
     if (group.size() > 2) return crowded.push_back(offence);
     if (group.size() == 2 && a.odd == b.odd) return same_side.push_back(offence);
     FaceTag tag = group.size() == 1 ? kHullFace : 0;
@@ -199,12 +214,14 @@ class Court {
 
   const std::vector<Side>& sides_;
   std::vector<Triangle> triangles_;
+  Triangle first_{};  ///< the first of those at the face that is judged
   const std::vector<std::int32_t>& patch_ref_;
 
  public:
   std::vector<Verdict> verdicts;
   std::vector<Offence> double_tets, crowded, same_side, stray_triangles, double_triangles;
   std::int64_t bare_hull = 0, bare_region = 0;
+  std::int64_t tets_again = 0, triangles_again = 0;
 };
 
 std::vector<Triangle> send_triangles(const FileSource& src) {
@@ -220,8 +237,9 @@ std::vector<Triangle> send_triangles(const FileSource& src) {
 }
 
 /// Adds the patches of faces without triangle and puts their numbers where they were left open.
-void name_bare_patches(const FileSource& src, Court& court, std::vector<std::int32_t>& patch_ref,
-                       DistributeReport& report) {
+/// Gives the patch of hull faces without triangle, or -1.
+int name_bare_patches(const FileSource& src, Court& court, std::vector<std::int32_t>& patch_ref,
+                      DistributeReport& report) {
   report.untagged_hull_faces = src.comm.sum(court.bare_hull);
   report.untagged_region_faces = src.comm.sum(court.bare_region);
   std::int64_t next = patch_ref.empty() ? 1 : std::max<std::int64_t>(0, patch_ref.back()) + 1;
@@ -237,11 +255,31 @@ void name_bare_patches(const FileSource& src, Court& court, std::vector<std::int
     if (patch == kBareHull) v.tag = static_cast<FaceTag>((v.tag & ~kPatchMask) | hull);
     if (patch == kBareRegion) v.tag = static_cast<FaceTag>((v.tag & ~kPatchMask) | region);
   }
+  return tag_patch(hull);
+}
+
+/// Collective. True when there are tetrahedra given again: then they are marked.
+bool mark_copies(FileSource& src, const Growing& g, const std::vector<FaceId>& faces, const Inquiry<Side>& inquiry,
+                 const Court& court) {
+  if (src.comm.sum(court.tets_again) == 0) return false;
+  const auto verdicts = inquiry.answer(court.verdicts);
+  const auto& file = src.file.tets;
+  const Blocks blocks(src.comm, file.first);
+  std::vector<std::int64_t> numbers;
+  std::vector<Rank> dest;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (verdicts[i].again == 0) continue;
+    numbers.push_back(g.tet_number[face_tet(faces[i])]);
+    dest.push_back(blocks.owner(numbers.back()));
+  }
+  src.tet_dropped.resize(file.verts.size(), 0);
+  for (const std::int64_t n : exchange_items(src.comm, dest, numbers).items) src.tet_dropped[n - file.first] = 1;
+  return true;
 }
 
 }  // namespace
 
-void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& report) {
+bool match_and_tag_faces(FileSource& src, Growing& g, DistributeReport& report) {
   TetMesh& m = g.dist.mesh;
   match_locally(m);
   const auto faces = faces_to_judge(g);
@@ -258,14 +296,17 @@ void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& re
   m.patch_ref = collect_patches(src);
   Court court(inquiry.asked().items, send_triangles(src), m.patch_ref);
   court.judge();
-  refuse(src, court.double_tets, "tetrahedra given twice", "remove the second of each pair");
+  refuse(src, court.double_tets, "tetrahedra given twice with different references", "remove one of each pair");
+  report.double_tets += src.comm.sum(court.tets_again);
+  if (mark_copies(src, g, faces, inquiry, court)) return false;
   refuse(src, court.crowded, "faces with more than two tetrahedra", "remove the tetrahedra that are too many");
   refuse(src, court.same_side, "faces with both tetrahedra on one side", "the mesh is tangled there: repair it");
   refuse(src, court.stray_triangles, "triangles that are no face of a tetrahedron",
          "remove them or add the tetrahedra");
-  refuse(src, court.double_triangles, "triangles given twice", "remove the second of each pair");
+  refuse(src, court.double_triangles, "triangles given twice with different references", "remove one of each pair");
+  report.double_triangles = src.comm.sum(court.triangles_again);
   auto patch_ref = m.patch_ref;
-  name_bare_patches(src, court, patch_ref, report);
+  g.bare_hull_patch = name_bare_patches(src, court, patch_ref, report);
   m.patch_ref = std::move(patch_ref);
   const auto verdicts = inquiry.answer(court.verdicts);
   m.face_tag.assign(m.tet_slots(), {0, 0, 0, 0});
@@ -280,6 +321,7 @@ void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& re
     if (!m.has(t, kRequiredTet)) continue;
     for (const VertId v : m.tet2vert[t]) m.vert_class[v] |= kRidge | kFixed;
   }
+  return true;
 }
 
 }  // namespace skein::distributing

@@ -13,10 +13,6 @@
 
 namespace skein::distributing {
 
-Rank Blocks::owner(std::int64_t i) const noexcept {
-  return to_id<Rank>(std::upper_bound(first_.begin(), first_.end(), i) - first_.begin() - 1);
-}
-
 namespace {
 
 void check_fields(const FileSource& src) {
@@ -116,7 +112,7 @@ void deliver_vertex_classes(FileSource& src) {
 
 FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
                        const DistributeOptions& options) {
-  FileSource src{comm, file, fields, options, Blocks(comm, file.first_vert), {}, {}, {}, {}};
+  FileSource src{comm, file, fields, options, Blocks(comm, file.first_vert), {}, {}, {}, {}, {}};
   check_fields(src);
   check_coordinates(src);
   check_entities(src, file.tets, "tetrahedra", true);
@@ -134,6 +130,20 @@ FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice
   src.tet_class = deliver_marks_of(comm, file.tets, tets);
   deliver_vertex_classes(src);
   return src;
+}
+
+std::int64_t count_double_edges(const FileSource& src) {
+  using Edge = std::array<GlobalId, 2>;
+  std::vector<Edge> edges = src.file.edges.verts;
+  std::vector<Rank> dest;
+  dest.reserve(edges.size());
+  for (Edge& e : edges) {
+    if (e[1] < e[0]) std::swap(e[0], e[1]);
+    dest.push_back(meeting_rank(hash_of(e), src.comm.size()));
+  }
+  edges = exchange_items(src.comm, dest, edges).items;
+  std::sort(edges.begin(), edges.end());
+  return src.comm.sum(static_cast<std::int64_t>(edges.end() - std::unique(edges.begin(), edges.end())));
 }
 
 namespace {
@@ -164,6 +174,19 @@ struct Site {
   Vec3 x;
   double half_trace;  ///< of the log-metric
 };
+
+/// Removes the tetrahedra that are given again.
+void leave_out_dropped(const FileSource& src, std::vector<FileTet>& tets, std::vector<Rank>& dest) {
+  if (src.tet_dropped.empty()) return;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    if (src.tet_dropped[i] != 0) continue;
+    tets[kept] = tets[i];
+    dest[kept++] = dest[i];
+  }
+  tets.resize(kept);
+  dest.resize(kept);
+}
 
 /// The slice's tetrahedra with their Hilbert keys, and the rank of each.
 std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
@@ -206,6 +229,7 @@ std::vector<FileTet> plan(const FileSource& src, std::vector<Rank>& dest) {
   for (std::size_t i = 0; i < verts.size(); ++i) {
     out[i] = {tets.verts[i], keys[i], tets.first + static_cast<std::int64_t>(i), tets.ref[i], src.tet_class[i], {}};
   }
+  leave_out_dropped(src, out, dest);
   return out;
 }
 
@@ -303,29 +327,22 @@ void fetch_vertices(const FileSource& src, Growing& g, DistributeReport& report)
   if (src.fields != nullptr) set_fields(src, m, fetch_fields(src, inquiry));
 }
 
-/// Turns all tetrahedra if all are inverted; refuses flat ones and those that differ from the most.
-void check_orientation(const FileSource& src, Growing& g, DistributeReport& report) {
+/// Turns tetrahedra of negative volume: the order of their vertices carries no meaning. Refuses flat ones.
+void orient_tets(const FileSource& src, Growing& g, DistributeReport& report) {
   TetMesh& m = g.dist.mesh;
-  IdVector<TetId, std::int8_t> sign(m.tet_slots());
-  std::array<std::int64_t, 3> count{};  // negative, flat, positive
+  std::int64_t turned = 0;
+  std::vector<Offence> flat;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    const auto& v = m.tet2vert[t];
-    sign[t] = static_cast<std::int8_t>(orient3d_sign(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]));
-    ++count[sign[t] + 1];
-  }
-  src.comm.reduce(std::span<std::int64_t>(count), Op::kSum);
-  const int good = count[0] > count[2] ? -1 : 1;
-  std::vector<Offence> bad;
-  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (sign[t] == good) continue;
-    const auto& v = m.tet2vert[t];
+    auto& v = m.tet2vert[t];
+    const int sign = orient3d_sign(m.coords[v[0]], m.coords[v[1]], m.coords[v[2]], m.coords[v[3]]);
+    if (sign > 0) continue;
     const auto& gid = g.dist.vert2gid;
-    bad.push_back({g.tet_number[t], -1, {gid[v[0]], gid[v[1]], gid[v[2]], gid[v[3]]}});
+    if (sign == 0) flat.push_back({g.tet_number[t], -1, {gid[v[0]], gid[v[1]], gid[v[2]], gid[v[3]]}});
+    std::swap(v[0], v[1]);
+    ++turned;
   }
-  refuse(src, bad, "inverted or flat tetrahedra", "repair the mesh (all tetrahedra need the same orientation)");
-  report.flipped = good < 0;
-  if (good > 0) return;
-  for (auto& v : m.tet2vert) std::swap(v[0], v[1]);
+  refuse(src, flat, "flat tetrahedra (their volume is zero)", "repair the mesh there");
+  report.turned_tets = src.comm.sum(turned);
 }
 
 }  // namespace
@@ -333,7 +350,7 @@ void check_orientation(const FileSource& src, Growing& g, DistributeReport& repo
 Growing place_tets(const FileSource& src, DistributeReport& report) {
   Growing g = gather_tets(src);
   fetch_vertices(src, g, report);
-  check_orientation(src, g, report);
+  orient_tets(src, g, report);
   return g;
 }
 

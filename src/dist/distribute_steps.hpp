@@ -4,22 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "dist/blocks.hpp"
 #include "dist/distribute.hpp"
 #include "dist/rendezvous.hpp"
 
 namespace skein::distributing {
-
-/// The owner of each item of a list of which the ranks have consecutive blocks.
-class Blocks {
- public:
-  Blocks() = default;
-  /// Collective.
-  Blocks(const Comm& comm, std::int64_t first) : first_(comm.all_gather(first)) {}
-  [[nodiscard]] Rank owner(std::int64_t i) const noexcept;
-
- private:
-  std::vector<std::int64_t> first_;  ///< by rank, ascending
-};
 
 /// The file's slices, and what other ranks have told this one about its entities.
 struct FileSource {
@@ -32,6 +21,7 @@ struct FileSource {
   std::vector<FeatureClass> edge_class;         ///< by local edge: kRidgeEdge, kRequiredEdge
   std::vector<std::uint8_t> triangle_required;  ///< by local triangle
   std::vector<TetClass> tet_class;              ///< by local tetrahedron
+  std::vector<std::uint8_t> tet_dropped;        ///< by local tetrahedron; empty: none
 };
 
 /// The distributed mesh, as far as the steps have built it.
@@ -40,6 +30,7 @@ struct Growing {
   GidMap gid2vert{0};
   IdVector<TetId, std::int64_t> tet_number;  ///< in the file, from 0
   IdVector<VertId, std::uint8_t> many;       ///< 1 when other ranks have this vertex, too
+  int bare_hull_patch = -1;                  ///< of hull faces without triangle; -1: there are none
   std::vector<FaceId> speakers;              ///< each tagged face once over all ranks, also where it has two sides
 };
 
@@ -56,8 +47,11 @@ void refuse(const FileSource& src, std::vector<Offence> offences, const std::str
 // All collective, in this order.
 FileSource open_source(const Comm& comm, const MeshSlice& file, const FieldSlice* fields,
                        const DistributeOptions& options);
+std::int64_t count_double_edges(const FileSource& src);
 Growing place_tets(const FileSource& src, DistributeReport& report);
-void match_and_tag_faces(const FileSource& src, Growing& g, DistributeReport& report);
+/// False when there are tetrahedra given again: they are marked in src.tet_dropped now, and place_tets() must follow.
+[[nodiscard]] bool match_and_tag_faces(FileSource& src, Growing& g, DistributeReport& report);
+void check_hull(const FileSource& src, const Growing& g, DistributeReport& report);
 void find_features(const FileSource& src, Growing& g, DistributeReport& report);
 /// Collective. The part of find_features that looks at the tagged faces of each feature edge: kThinEdge, kContactEdge,
 /// and at vertices kThin, kContact, and kCorner where the faces of two feature edges differ.

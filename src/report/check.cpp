@@ -9,9 +9,11 @@
 #include <utility>
 
 #include "comm/exchange.hpp"
-#include "comm/file.hpp"
+#include "dist/blocks.hpp"
 #include "dist/rendezvous.hpp"
 #include "mesh/tet_mesh.hpp"
+#include "report/check_hull.hpp"
+#include "report/slice_coordinates.hpp"
 
 namespace skein {
 namespace {
@@ -46,6 +48,7 @@ class Findings {
       result.findings.insert(result.findings.end(), all.begin(), all.end());
     }
   }
+  [[nodiscard]] std::int64_t count(Fault f) const noexcept { return counts[static_cast<std::size_t>(f)]; }
   std::array<std::int64_t, kFaults> counts{};
 
  private:
@@ -64,52 +67,6 @@ Finding finding(Fault fault, const std::array<GlobalId, N>& verts, std::int64_t 
   std::copy(verts.begin(), verts.end(), f.verts.begin());
   return f;
 }
-
-/// Coordinates of any vertices that this rank asks for: its own slice, and what it fetched.
-class Coordinates {
- public:
-  /// Collective. Marks the vertices asked for in `marks` of the rank that has them.
-  template <std::size_t N>
-  Coordinates(const Comm& comm, const MeshSlice& mesh, const EntitySlice<N>& entities, std::vector<char>* marks)
-      : mesh_(&mesh) {
-    for (const auto& verts : entities.verts) {
-      for (const GlobalId g : verts) {
-        if (!is_own(g)) {
-          ids_.push_back(g);
-        } else if (marks != nullptr) {
-          (*marks)[own(g)] = 1;
-        }
-      }
-    }
-    std::sort(ids_.begin(), ids_.end());
-    ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-    std::vector<Rank> dest;
-    for (const GlobalId g : ids_) dest.push_back(slice_owner(mesh.total_verts, num(g), comm.size()));
-    const auto sent = pack(std::span<const Rank>(dest), std::span<const GlobalId>(ids_));
-    const auto asked = exchange(comm, sent);
-    std::vector<Vec3> answers;
-    for (const GlobalId g : asked.items) {
-      answers.push_back(mesh.coords[own(g)]);
-      if (marks != nullptr) (*marks)[own(g)] = 1;
-    }
-    coords_ = reply(comm, sent, asked, std::span<const Vec3>(answers));  // owners ascend with the ids: same order
-  }
-  [[nodiscard]] Vec3 operator[](GlobalId g) const noexcept {
-    if (is_own(g)) return mesh_->coords[own(g)];
-    return coords_[std::lower_bound(ids_.begin(), ids_.end(), g) - ids_.begin()];
-  }
-
- private:
-  [[nodiscard]] std::size_t own(GlobalId g) const noexcept {
-    return static_cast<std::size_t>(num(g) - mesh_->first_vert);
-  }
-  [[nodiscard]] bool is_own(GlobalId g) const noexcept {
-    return num(g) >= mesh_->first_vert && own(g) < mesh_->coords.size();
-  }
-  const MeshSlice* mesh_;
-  std::vector<GlobalId> ids_;
-  std::vector<Vec3> coords_;
-};
 
 /// A face of a tetrahedron, or a triangle (opposite == kNoGlobal, so that triangles come first).
 struct Face {
@@ -143,7 +100,7 @@ void add_edges(const std::array<GlobalId, 3>& face, std::vector<Edge>& edges) {
 
 /// All records of one face: its triangles [first, tets), its tetrahedra [tets, last).
 void judge_face(const Face* first, const Face* tets, const Face* last, Findings& found, CheckResult& r,
-                std::vector<Edge>& hull_edges) {
+                std::vector<Edge>& hull_edges, std::vector<LoneFace>& hull) {
   const auto& key = first->key;
   const auto triangles = tets - first, count = last - tets;
   for (const Face* f = first; f < tets; ++f) {
@@ -161,6 +118,7 @@ void judge_face(const Face* first, const Face* tets, const Face* last, Findings&
     ++r.hull_faces;
     if (triangles == 0) found.add(finding(Fault::kHullFaceNotTriangle, key, tets->entity2 / 2));
     add_edges(key, hull_edges);
+    hull.push_back({{key[0], key[1], key[2], tets->opposite}, tets->entity2 / 2, tets->entity2 & 1, triangles});
     return;
   }
   if (count >= 2) r.internal_triangles += triangles;
@@ -171,8 +129,9 @@ void judge_face(const Face* first, const Face* tets, const Face* last, Findings&
   }
 }
 
-/// Collective. Matches all faces and triangles; gives the edges of the hull faces that were judged here.
-std::vector<Edge> match_faces(const Comm& comm, const MeshSlice& mesh, Findings& found, CheckResult& r) {
+/// Collective. Matches all faces and triangles; gives the edges of the hull faces that were judged here, and them.
+std::vector<Edge> match_faces(const Comm& comm, const MeshSlice& mesh, Findings& found, CheckResult& r,
+                              std::vector<LoneFace>& hull) {
   const auto mine = static_cast<std::int64_t>(4 * mesh.tets.verts.size() + mesh.triangles.verts.size());
   const auto batches = static_cast<std::uint64_t>(comm.max(mine) / kBatchFaces + 1);
   const auto ranks = static_cast<std::uint64_t>(comm.size());
@@ -205,7 +164,7 @@ std::vector<Edge> match_faces(const Comm& comm, const MeshSlice& mesh, Findings&
       const Face* last = first;
       while (last < end && last->key == first->key) ++last;
       const Face* tets = std::find_if(first, last, [](const Face& f) { return f.opposite != kNoGlobal; });
-      judge_face(first, tets, last, found, r, hull_edges);
+      judge_face(first, tets, last, found, r, hull_edges, hull);
       first = last;
     }
   }
@@ -254,7 +213,8 @@ std::int64_t judge_hull_edges(const Comm& comm, const MeshSlice& mesh, const std
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   dest.clear();
-  for (const GlobalId g : ends) dest.push_back(slice_owner(mesh.total_verts, num(g), comm.size()));
+  const Blocks blocks(comm, mesh.first_vert);
+  for (const GlobalId g : ends) dest.push_back(blocks.owner(num(g)));
   auto verts = exchange(comm, std::span<const Rank>(dest), std::span<const GlobalId>(ends)).items;
   std::sort(verts.begin(), verts.end());
   const auto n = std::unique(verts.begin(), verts.end()) - verts.begin();
@@ -295,7 +255,7 @@ void judge_entities(const Comm& comm, const MeshSlice& mesh, Findings& found, Ch
   std::vector<char> used(mesh.coords.size(), 0);
   r.min_volume = std::numeric_limits<double>::infinity();
   {
-    const Coordinates x(comm, mesh, mesh.tets, r.surface_only ? nullptr : &used);
+    const SliceCoordinates x(comm, mesh, mesh.tets.verts, r.surface_only ? nullptr : &used);
     for (std::size_t t = 0; t < mesh.tets.verts.size(); ++t) {
       auto v = mesh.tets.verts[t];
       const auto number = mesh.tets.first + static_cast<std::int64_t>(t);
@@ -310,7 +270,7 @@ void judge_entities(const Comm& comm, const MeshSlice& mesh, Findings& found, Ch
       }
     }
   }
-  const Coordinates x(comm, mesh, mesh.triangles, r.surface_only ? &used : nullptr);
+  const SliceCoordinates x(comm, mesh, mesh.triangles.verts, r.surface_only ? &used : nullptr);
   for (const auto& v : mesh.triangles.verts) r.area += norm(cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]])) / 2;
   for (std::size_t i = 0; i < mesh.coords.size(); ++i) {
     const auto number = mesh.first_vert + static_cast<std::int64_t>(i);
@@ -354,8 +314,15 @@ CheckResult check_mesh(const Comm& comm, const MeshSlice& mesh) {
   Findings found;
   judge_entities(comm, mesh, found, r);
   judge_duplicate_vertices(comm, mesh, found);
-  const std::vector<Edge> edges = r.surface_only ? match_surface(comm, mesh, found) : match_faces(comm, mesh, found, r);
+  std::vector<LoneFace> hull;
+  const std::vector<Edge> edges =
+      r.surface_only ? match_surface(comm, mesh, found) : match_faces(comm, mesh, found, r, hull);
   const std::int64_t verts_minus_edges = judge_hull_edges(comm, mesh, edges, found);
+  if (!r.surface_only && comm.sum(found.count(Fault::kNonfiniteCoordinate)) == 0) {
+    const bool oriented = comm.sum(found.count(Fault::kNonpositiveTet) + found.count(Fault::kMisorientedPair)) == 0;
+    for (const Finding& f : hull_findings(comm, mesh, hull, oriented ? Nesting::kJudge : Nesting::kIgnore, r))
+      found.add(f);
+  }
   found.merge(comm, r);
   locate(comm, mesh, r.findings);
 

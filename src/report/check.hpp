@@ -24,11 +24,16 @@ enum class Fault : std::int32_t {
   kDuplicateTriangle,    ///< the same three vertices as another
   kOpenHullEdge,         ///< an edge of an odd number of hull faces
   kNonfiniteCoordinate,  ///< infinite or not a number
+  kHangingVertex,        ///< inside a face or an edge of a tetrahedron that it does not belong to
+  kCoveringFaces,        ///< two hull faces in one plane that overlap and are not the same
+  kCrossingTets,         ///< two tetrahedra that overlap
+  kUnmergedVertices,     ///< two vertices at one place whose faces are no crack
+  kNestedTet,            ///< a tetrahedron inside others
   kNonmanifoldHullEdge,  ///< an edge of more than two hull faces (makes a surface mesh invalid)
   kUnusedVertex,         ///< of no tetrahedron
   kDuplicateVertex,      ///< the same coordinates as another
 };
-inline constexpr std::size_t kFaults = 13;
+inline constexpr std::size_t kFaults = 18;
 inline constexpr std::size_t kMaxFindings = 10;  ///< listed of each kind; all are counted
 
 /// One thing that is wrong. Numbers from 0; -1 is "none".
@@ -45,6 +50,7 @@ struct CheckResult {
   bool valid = false;
   bool surface_only = false;  ///< no tetrahedra: the triangles are judged as a closed surface
   std::int64_t vertices = 0, tets = 0, triangles = 0, hull_faces = 0, internal_triangles = 0;
+  std::int64_t crack_verts = 0;                 ///< pairs of vertices at one place that are meant
   std::int64_t hull_euler = 0;                  ///< vertices - edges + faces of the hull
   double volume = 0, min_volume = 0, area = 0;  ///< length units of the file
   std::array<std::int64_t, kFaults> counts{};   ///< by Fault

@@ -25,6 +25,12 @@ constexpr std::array<Words, kFaults> kWords{{
     {"duplicate_triangles", "duplicate triangles", "triangle", "is the same as"},
     {"open_hull_edges", "open edges of the hull", "", ""},
     {"nonfinite_coordinates", "coordinates that are not finite", "vertex", ""},
+    {"hanging_vertices", "vertices inside a face or an edge of another tetrahedron", "vertex", ""},
+    {"covering_faces", "pairs of tetrahedra whose faces cover each other without being the same", "tetrahedron", "and"},
+    {"crossing_tets", "pairs of tetrahedra that overlap", "tetrahedron", "and"},
+    {"unmerged_vertices", "pairs of vertices at the same place whose tetrahedra are not connected", "vertex",
+     "is at the place of"},
+    {"nested_tets", "tetrahedra inside other tetrahedra", "tetrahedron", ""},
     {"nonmanifold_hull_edges", "edges of more than two hull faces", "", ""},
     {"unused_vertices", "unused vertices", "vertex", ""},
     {"duplicate_vertices", "duplicate vertices", "vertex", "is at the place of"},
@@ -67,6 +73,9 @@ std::string to_text(const CheckResult& r, const std::string& path) {
                       grouped(r.internal_triangles));
   text += fmt::format("  volume {:.12g}, smallest tetrahedron {:.4g}, area of the triangles {:.12g}\n", r.volume,
                       r.min_volume, r.area);
+  if (r.crack_verts > 0)
+    text += fmt::format("  {} pairs of vertices at the same place on matching triangles: a crack\n",
+                        grouped(r.crack_verts));
   if (r.vertices == 0 || (r.tets == 0 && r.triangles == 0)) text += "  there is no mesh in this file\n";
   std::size_t at = 0;
   for (std::size_t f = 0; f < kFaults; ++f) {
@@ -89,6 +98,7 @@ Json to_json(const CheckResult& r) {
          {"hull_faces", r.hull_faces},
          {"internal_triangles", r.internal_triangles},
          {"hull_euler", r.hull_euler},
+         {"crack_vertices", r.crack_verts},
          {"volume", r.volume},
          {"min_volume", r.min_volume},
          {"area", r.area}};

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "base/box.hpp"
 #include "metric/complexity.hpp"
 #include "solution/hessian.hpp"
 #include "solution/hessian_metric.hpp"
@@ -17,6 +19,10 @@ namespace {
 
 constexpr int kMostScalings = 10;
 constexpr double kComplexityTolerance = 1e-3;  ///< of its logarithm
+constexpr double kRoundedZero = 1e-14;         ///< eigenvalues this small against the largest may be negative zeros
+constexpr double kLogOfNoLimit = -700;         ///< of an eigenvalue of zero: a size of 1e152
+constexpr double kLargestSize = 1e3;           ///< in diagonals of the mesh
+constexpr double kSmallestSize = 1e-100;
 
 void put(const SymTensor& l, double* out) noexcept {
   out[0] = l.xx, out[1] = l.xy, out[2] = l.yy, out[3] = l.xz, out[4] = l.yz, out[5] = l.zz;
@@ -36,10 +42,14 @@ SymTensor checked_log(const SymTensor& m, const FieldSlice& f, std::size_t i) {
                 fmt::format("{}: the metric at vertex {} is not finite", f.path, vertex_number(f, i)));
   }
   if (!is_positive_definite(m)) {
-    const Eigen e = eigen(m);
+    Eigen e = eigen(m);
+    if (e.value[0] >= -kRoundedZero * std::max(e.value[2], 0.0)) {
+      for (double& value : e.value) value = value > 0 ? std::log(value) : kLogOfNoLimit;
+      return compose(e);
+    }
     throw Error(ExitCode::kInput,
-                fmt::format("{}: the metric at vertex {} is not positive definite: eigenvalues {:.6g}, {:.6g}, {:.6g}",
-                            f.path, vertex_number(f, i), e.value[0], e.value[1], e.value[2]));
+                fmt::format("{}: the metric at vertex {} is not positive: eigenvalues {:.6g}, {:.6g}, {:.6g}", f.path,
+                            vertex_number(f, i), e.value[0], e.value[1], e.value[2]));
   }
   return log(m);
 }
@@ -97,6 +107,14 @@ GradationReport grade_tensors(const Comm& comm, const DistMesh& dist, double gro
     if (metric[v] != before[v]) log_metric[v] = log(metric[v]);
   }
   return report;
+}
+
+/// Collective. Of the box round all vertices.
+double global_diagonal(const Comm& comm, const TetMesh& mesh) {
+  const Box own = bounding_box(mesh.coords.raw());
+  std::array<double, 6> ends{own.low.x, own.low.y, own.low.z, -own.high.x, -own.high.y, -own.high.z};
+  comm.reduce(std::span<double>(ends), Op::kMin);
+  return norm(Vec3{ends[0] + ends[3], ends[1] + ends[4], ends[2] + ends[5]});
 }
 
 /// Collective. Calls make(c), which makes log_metric one of complexity c and grades it, until what the gradation adds
@@ -157,6 +175,28 @@ void clamp_sizes(const MetricPolicy& policy, std::span<SymTensor> log_metric) no
   }
 }
 
+void bound_sizes(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy, std::span<SymTensor> log_metric) {
+  const double diagonal = global_diagonal(comm, dist.mesh);
+  const double low = -2 * std::log(kLargestSize * diagonal), high = -2 * std::log(kSmallestSize * diagonal);
+  agree(comm, [&] {
+    for (std::size_t v = 0; v < log_metric.size(); ++v) {
+      SymTensor& l = log_metric[v];
+      const double turned = std::abs(l.xy) + std::abs(l.xz) + std::abs(l.yz);  // bounds the eigenvalues
+      if (std::min({l.xx, l.yy, l.zz}) - turned >= low && std::max({l.xx, l.yy, l.zz}) + turned <= high) continue;
+      Eigen e = eigen(l);
+      if (e.value[2] > high)
+        throw Error(
+            ExitCode::kInput,
+            fmt::format("{}: the size at vertex {} is {:.3g}, on a mesh of diagonal {:.3g}; give it in the mesh's "
+                        "unit of length",
+                        policy.name, num(dist.vert2gid[to_id<VertId>(v)]) + 1, std::exp(-0.5 * e.value[2]), diagonal));
+      if (e.value[0] >= low) continue;
+      for (double& value : e.value) value = std::max(value, low);
+      l = compose(e);
+    }
+  });
+}
+
 GradationReport grade(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
                       std::span<SymTensor> log_metric) {
   if (policy.gradation == 0) return {};
@@ -207,6 +247,7 @@ GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricPolicy
     column.assign(dist.mesh.vert_slots(), {});
     return metric_from_field(comm, dist, policy, scalar.values, column.raw());
   }
+  bound_sizes(comm, dist, policy, column.raw());
   if (policy.complexity > 0) return scale_to_complexity(comm, dist, policy, column.raw());
   clamp_sizes(policy, column.raw());
   return grade(comm, dist, policy, column.raw());

@@ -30,6 +30,7 @@ struct MetricPolicy {
   double h_min = 0, h_max = kNoLargestSize;  ///< length; these clamp the sizes
   double norm = 2;                           ///< with kField: L^p of the interpolation error, p >= 1 or infinity
   double gradation = 0;                      ///< largest growth of sizes from edge to edge, > 1; 0: as they are
+  double max_tets = 0;                       ///< refuse a metric that asks for more; 0: for more than memory allows
   std::string name = "the metric";           ///< of what is given, for messages: the path of a file
   [[nodiscard]] bool clamps() const noexcept { return h_min > 0 || h_max < kNoLargestSize; }
   [[nodiscard]] FieldKind kind() const noexcept {
@@ -39,8 +40,8 @@ struct MetricPolicy {
 
 /// What distribute() takes of values as they are given: the logarithm of the metric for kTensors and kSizes, the scalar
 /// itself for kField. Not collective. Throws Error(kInput) with the path of `given` and the number of the vertex for a
-/// metric that is not positive definite (with its eigenvalues), a size that is not greater than zero, and for what is
-/// not finite. @pre one field of kind policy.kind()
+/// metric with a negative eigenvalue (with all three), a size that is not greater than zero, and for what is not
+/// finite. An eigenvalue of zero is no limit of the size in its direction. @pre one field of kind policy.kind()
 FieldSlice metric_values(FieldSlice given, MetricSource source);
 
 /// Collective. The integral of sqrt(det M) over all ranks' tetrahedra, by the vertex rule (metric/complexity.hpp).
@@ -68,6 +69,10 @@ GradationReport scale_to_complexity(const Comm& comm, const DistMesh& dist, cons
 /// it has policy.complexity, if the sizes allow it. scalar: one value per local vertex, equal on all copies.
 GradationReport metric_from_field(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
                                   std::span<const double> scalar, std::span<SymTensor> log_metric);
+
+/// Collective. Sizes of more than 1e3 times the diagonal of the mesh, in any direction, become that: they are no limit.
+/// Throws Error(kInput) on all ranks with the vertex for a size below 1e-100 diagonals.
+void bound_sizes(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy, std::span<SymTensor> log_metric);
 
 /// Collective. The whole policy: what metric_values() gave, in the column log_metric (kTensors, kSizes) or `fields`
 /// (kField), becomes the logarithm of the metric to adapt to in log_metric. Given tensors and sizes are scaled to the

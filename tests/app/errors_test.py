@@ -106,14 +106,16 @@ class Errors(Case):
         write_mesh(bad, self.verts, self.tets, self.tris)
         self.refused(INPUT, ["nan.mesh", "vertex 22"], *self.adapt(mesh=bad))
 
-    def test_inverted_tetrahedra(self):
-        for t in (4, 77):
-            a, b, c, d = self.tets[t]
-            self.tets[t] = (b, a, c, d)
+    def test_flat_tetrahedra(self):
+        a, b, c, _ = self.tets[5]
+        self.verts.append(tuple((self.verts[a][k] + self.verts[b][k]) / 2 for k in range(3)))
+        self.tets[5] = (a, b, c, len(self.verts) - 1)
+        self.tets[78] = (a, b, c, len(self.verts) - 1)
+        write_solution(self.metric, [isotropic(0.25)] * len(self.verts))
         bad = self.path("inverted.mesh")
         write_mesh(bad, self.verts, self.tets, self.tris)
         self.keep_old_output()
-        self.refused(INVALID_MESH, ["inverted.mesh", "5", "78"], *self.adapt(mesh=bad))
+        self.refused(INVALID_MESH, ["inverted.mesh", "flat", "6", "79"], *self.adapt(mesh=bad))
 
     def test_vertex_out_of_range(self):
         self.tets[10] = (*self.tets[10][:3], len(self.verts))
@@ -141,6 +143,28 @@ class Errors(Case):
         write_solution(sizes, [(0.25,)] * 20 + [(0.0,)] + [(0.25,)] * (len(self.verts) - 21))
         self.refused(INPUT, ["sizes.sol", "vertex 21"], "adapt", self.good, "--size", sizes, "-o",
                      self.path("out.meshb"))
+
+    def test_sizes_that_cannot_be_meant(self):
+        sizes, out = self.path("sizes.sol"), self.path("out.meshb")
+        n = len(self.verts)
+        for h in (1e-30, 1e-4):
+            write_solution(sizes, [(h,)] * n)
+            self.refused(INPUT, ["sizes.sol", "tetrahedra are asked for", "GB", "--max-elements"], "adapt", self.good,
+                         "--size", sizes, "-o", out)
+        write_solution(sizes, [(0.05,)] * n)
+        self.refused(INPUT, ["limit of 100", "--max-elements"], "adapt", self.good, "--size", sizes, "-o", out,
+                     "--max-elements", "100")
+        write_solution(sizes, [(0.25,)] * 20 + [(1e-150,)] + [(0.25,)] * (n - 21))
+        self.refused(INPUT, ["sizes.sol", "vertex 21", "1e-150"], "adapt", self.good, "--size", sizes, "-o", out)
+
+    def test_sizes_without_limit(self):
+        out = self.path("out.mesh")
+        for rows in ([isotropic(1e30)] * 64, [(0.0,) * 6] * 64, [(16.0, 0, 16.0, 0, 0, 0)] * 64):
+            write_solution(self.metric, rows)
+            for ranks in RANKS:
+                result = run(ranks, "adapt", self.good, "--metric", self.metric, "-o", out)
+                self.assertEqual(result.code, 0, result.err)
+                self.assertEqual(run(1, "check", out).code, 0)
 
     def test_triangles_that_are_not_faces(self):
         self.tris[7] = (0, 1, len(self.verts) - 1, 1)

@@ -33,7 +33,7 @@ TEST(Distribute, KeepsEverythingOfACube) {
   EXPECT_EQ(report.untagged_hull_faces, 0);
   EXPECT_EQ(report.unused_verts, 0);
   EXPECT_EQ(report.found_ridges, 48);
-  EXPECT_FALSE(report.flipped);
+  EXPECT_EQ(report.turned_tets + report.double_tets + report.double_triangles + report.double_edges, 0);
   EXPECT_EQ(dist.global_tets, 6 * 64);
   EXPECT_EQ(dist.global_verts, 125);
 }
@@ -164,7 +164,7 @@ TEST(Distribute, AllInvertedIsTurnedAndUnusedVerticesAreDropped) {
   const DistMesh dist = distribute(comm, slices(comm, whole), nullptr, {}, &report);
   reconcile(comm, dist);
   EXPECT_EQ(check(dist.mesh), "");
-  EXPECT_TRUE(report.flipped);
+  EXPECT_EQ(report.turned_tets, 48);
   EXPECT_EQ(report.unused_verts, 1);
   EXPECT_EQ(dist.global_verts, 27);
   EXPECT_NEAR(measure(comm, dist).volume, 1, 1e-12);
