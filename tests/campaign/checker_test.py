@@ -186,6 +186,15 @@ class Planted(unittest.TestCase):
     def test_a_lost_piece_of_a_line(self):
         self.plant("line.size", case(lines="0.1"), self.without("Edges", [0]))
 
+    def test_ridges(self):
+        before = case(lines="0.1.2.3", field="solid")
+        before.lists["Ridges"] = np.array([0])
+        self.plant("ridge.size", before, lambda mesh: mesh.lists.update(Ridges=np.zeros(0, int)))
+        inner = np.flatnonzero(((before.coords > 0) & (before.coords < 2)).all(axis=1))
+        inside = np.flatnonzero(np.isin(before.edges, inner).any(axis=1))
+        self.assertGreater(len(inside[inside > 0]), 0)
+        self.plant("ridge.size", before, lambda mesh: mesh.lists.update(Ridges=np.union1d([0], inside)))
+
     def test_a_lost_piece_of_a_rim(self):
         found = 0
         for seed in range(20):
