@@ -4,6 +4,7 @@
 #include <numbers>
 #include <span>
 
+#include "base/hash.hpp"
 #include "base/union_find.hpp"
 #include "dist/hull_contact.hpp"
 #include "dist/rendezvous.hpp"
@@ -53,21 +54,25 @@ std::vector<Link> link_faces(const Comm& comm, const std::vector<HullFace>& face
   return inquiry.answer(links);
 }
 
-/// The pieces of the hull; a piece is named after one of its faces, by rank and place.
+/// The pieces of the hull; a piece is named after one of its faces, which does not depend on the ranks.
 class Pieces {
  public:
   using Name = std::int64_t;
   /// Collective.
   Pieces(const Comm& comm, const std::vector<HullFace>& faces) : comm_(comm), sets_(faces.size()) {
     const std::vector<Link> links = link_faces(comm, faces);
-    name_.resize(faces.size());
+    for (const HullFace& f : faces) own_name_.push_back(name_of(f));
+    name_ = own_name_;
     for (const PieceFace f : IdRange<PieceFace>(faces.size())) {
-      name_[f] = own_name(f);
       for (std::size_t k = 0; k < 3; ++k) {
         const Link& l = links[3 * idx(f) + k];
         if (l.rank == comm.rank()) sets_.join(f, l.face);
         if (l.rank != comm.rank() && l.rank != Rank{-1}) remote_.push_back({f, l});
       }
+    }
+    for (const PieceFace f : IdRange<PieceFace>(faces.size())) {
+      Name& name = name_[sets_.root(f)];
+      name = std::min(name, own_name_[f]);
     }
     while (spread()) {
     }
@@ -76,7 +81,7 @@ class Pieces {
   [[nodiscard]] std::vector<PieceFace> named_here() {
     std::vector<PieceFace> out;
     for (const PieceFace f : IdRange<PieceFace>(name_.size())) {
-      if (sets_.root(f) == f && name_[f] == own_name(f)) out.push_back(f);
+      if (name_[sets_.root(f)] == own_name_[f]) out.push_back(f);
     }
     return out;
   }
@@ -90,8 +95,13 @@ class Pieces {
     Name name;
     std::int64_t face;
   };
-  [[nodiscard]] Name own_name(PieceFace f) const noexcept {
-    return static_cast<Name>(num(comm_.rank())) << 32 | num(f);
+  static Name name_of(const HullFace& f) noexcept {
+    auto v = f.gid;
+    std::sort(v.begin(), v.end());
+    return static_cast<Name>(
+        mix_pair(mix_pair(static_cast<std::uint64_t>(num(v[0])), static_cast<std::uint64_t>(num(v[1]))),
+                 static_cast<std::uint64_t>(num(v[2]))) >>
+        1);
   }
   /// Collective. Names go to the other ranks' faces; true when one has changed anywhere.
   bool spread() {
@@ -112,7 +122,8 @@ class Pieces {
   }
   const Comm& comm_;
   UnionFind<PieceFace> sets_;
-  IdVector<PieceFace, Name> name_;  ///< at the root of a set
+  IdVector<PieceFace, Name> own_name_;
+  IdVector<PieceFace, Name> name_;  ///< at the root of a set: the least of its faces' names
   std::vector<Remote> remote_;
 };
 
