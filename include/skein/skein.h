@@ -139,6 +139,8 @@ SKEIN_EXPORT int skein_set_ridges(skein_mesh* mesh, int64_t n, const int64_t* ed
 SKEIN_EXPORT int skein_set_required_edges(skein_mesh* mesh, int64_t n, const int64_t* edges);
 /// Triangle numbers.
 SKEIN_EXPORT int skein_set_required_triangles(skein_mesh* mesh, int64_t n, const int64_t* triangles);
+/// Tetrahedron numbers.
+SKEIN_EXPORT int skein_set_required_tetrahedra(skein_mesh* mesh, int64_t n, const int64_t* tets);
 /// What the mesh shall be like: 6 or 1 numbers per vertex.
 SKEIN_EXPORT int skein_set_target(skein_mesh* mesh, skein_target kind, const double* values);
 /// What is carried to the new mesh: `width` numbers per vertex.
@@ -158,7 +160,9 @@ SKEIN_EXPORT int64_t skein_count_edges(const skein_mesh* mesh);                /
 SKEIN_EXPORT int64_t skein_count_corners(const skein_mesh* mesh);              ///< of this rank
 SKEIN_EXPORT int64_t skein_count_required_vertices(const skein_mesh* mesh);    ///< of this rank
 SKEIN_EXPORT int64_t skein_count_ridges(const skein_mesh* mesh);               ///< of this rank
+SKEIN_EXPORT int64_t skein_count_required_edges(const skein_mesh* mesh);       ///< of this rank
 SKEIN_EXPORT int64_t skein_count_required_triangles(const skein_mesh* mesh);   ///< of this rank
+SKEIN_EXPORT int64_t skein_count_required_tetrahedra(const skein_mesh* mesh);  ///< of this rank
 SKEIN_EXPORT const double* skein_vertices(const skein_mesh* mesh);             ///< 3 per vertex
 SKEIN_EXPORT const int32_t* skein_vertex_refs(const skein_mesh* mesh);         ///< 1 per vertex
 SKEIN_EXPORT const int64_t* skein_local_to_global(const skein_mesh* mesh);     ///< 1 per vertex; NULL for slices
@@ -171,7 +175,9 @@ SKEIN_EXPORT const int32_t* skein_edge_refs(const skein_mesh* mesh);           /
 SKEIN_EXPORT const int64_t* skein_corners(const skein_mesh* mesh);             ///< vertex numbers
 SKEIN_EXPORT const int64_t* skein_required_vertices(const skein_mesh* mesh);   ///< vertex numbers
 SKEIN_EXPORT const int64_t* skein_ridges(const skein_mesh* mesh);              ///< edge numbers
-SKEIN_EXPORT const int64_t* skein_required_triangles(const skein_mesh* mesh);  ///< triangle numbers
+SKEIN_EXPORT const int64_t* skein_required_edges(const skein_mesh* mesh);       ///< edge numbers
+SKEIN_EXPORT const int64_t* skein_required_triangles(const skein_mesh* mesh);   ///< triangle numbers
+SKEIN_EXPORT const int64_t* skein_required_tetrahedra(const skein_mesh* mesh);  ///< tetrahedron numbers
 SKEIN_EXPORT int skein_field_width(const skein_mesh* mesh);                    ///< numbers per vertex in skein_fields()
 SKEIN_EXPORT const double* skein_fields(const skein_mesh* mesh);               ///< the carried fields
 SKEIN_EXPORT const double* skein_metric(const skein_mesh* mesh);  ///< 6 per vertex; NULL without return_metric

@@ -48,7 +48,7 @@ SKEIN_EXPORT const char* version() noexcept;
 /// triangles and edges are in slices of their own, and name vertices by these numbers: any rank may have any of them.
 struct SlicedMesh {
   std::vector<std::array<double, 3>> coords;      ///< one per vertex of the slice
-  std::vector<std::array<std::int64_t, 4>> tets;  ///< vertex numbers; all of the same orientation
+  std::vector<std::array<std::int64_t, 4>> tets;  ///< vertex numbers; those of negative volume are turned
   std::vector<std::array<std::int64_t, 3>>
       triangles;                                   ///< on the boundary and between regions, each on one rank. A face
                                                    ///< of the hull that no triangle covers gets a reference of its own
@@ -62,8 +62,9 @@ struct SlicedMesh {
   std::vector<std::int64_t> corners;             ///< vertex numbers; they never move and never go
   std::vector<std::int64_t> required_verts;      ///< vertex numbers; the same
   std::vector<std::int64_t> ridges;              ///< edge numbers: place in the slices of edges over all ranks
-  std::vector<std::int64_t> required_edges;      ///< edge numbers; ridges whose ends stay
+  std::vector<std::int64_t> required_edges;      ///< edge numbers; kept as they are
   std::vector<std::int64_t> required_triangles;  ///< triangle numbers; kept as they are
+  std::vector<std::int64_t> required_tets;       ///< tetrahedron numbers: place in the slices; kept as they are
 };
 
 /// A distributed mesh in parts, as solvers have it: every rank has some tetrahedra and their vertices under local
@@ -87,6 +88,7 @@ struct PartitionedMesh {
   std::vector<std::int32_t> ridges;              ///< local edge numbers: places in `edges` of this rank
   std::vector<std::int32_t> required_edges;      ///< local edge numbers
   std::vector<std::int32_t> required_triangles;  ///< local triangle numbers
+  std::vector<std::int32_t> required_tets;       ///< local tetrahedron numbers
 };
 /// \}
 

@@ -124,7 +124,7 @@ To converted(From from) {
   convert(from.tets, to.tets), convert(from.triangles, to.triangles), convert(from.edges, to.edges);
   convert(from.corners, to.corners), convert(from.required_verts, to.required_verts);
   convert(from.ridges, to.ridges), convert(from.required_edges, to.required_edges);
-  convert(from.required_triangles, to.required_triangles);
+  convert(from.required_triangles, to.required_triangles), convert(from.required_tets, to.required_tets);
   return to;
 }
 
@@ -257,6 +257,9 @@ int skein_set_required_edges(skein_mesh* mesh, int64_t n, const int64_t* edges) 
 int skein_set_required_triangles(skein_mesh* mesh, int64_t n, const int64_t* triangles) {
   return set_list(mesh, &skein::SlicedMesh::required_triangles, n, triangles);
 }
+int skein_set_required_tetrahedra(skein_mesh* mesh, int64_t n, const int64_t* tets) {
+  return set_list(mesh, &skein::SlicedMesh::required_tets, n, tets);
+}
 
 int skein_set_target(skein_mesh* mesh, skein_target kind, const double* values) {
   return guarded([&] {
@@ -293,6 +296,8 @@ int64_t skein_count_edges(const skein_mesh* mesh) { return count(mesh->mesh.edge
 int64_t skein_count_corners(const skein_mesh* mesh) { return count(mesh->mesh.corners); }
 int64_t skein_count_required_vertices(const skein_mesh* mesh) { return count(mesh->mesh.required_verts); }
 int64_t skein_count_ridges(const skein_mesh* mesh) { return count(mesh->mesh.ridges); }
+int64_t skein_count_required_edges(const skein_mesh* mesh) { return count(mesh->mesh.required_edges); }
+int64_t skein_count_required_tetrahedra(const skein_mesh* mesh) { return count(mesh->mesh.required_tets); }
 int64_t skein_count_required_triangles(const skein_mesh* mesh) { return count(mesh->mesh.required_triangles); }
 const double* skein_vertices(const skein_mesh* mesh) { return flat(mesh->mesh.coords); }
 const int32_t* skein_vertex_refs(const skein_mesh* mesh) { return flat(mesh->mesh.vert_refs); }
@@ -308,6 +313,8 @@ const int32_t* skein_edge_refs(const skein_mesh* mesh) { return flat(mesh->mesh.
 const int64_t* skein_corners(const skein_mesh* mesh) { return flat(mesh->mesh.corners); }
 const int64_t* skein_required_vertices(const skein_mesh* mesh) { return flat(mesh->mesh.required_verts); }
 const int64_t* skein_ridges(const skein_mesh* mesh) { return flat(mesh->mesh.ridges); }
+const int64_t* skein_required_edges(const skein_mesh* mesh) { return flat(mesh->mesh.required_edges); }
+const int64_t* skein_required_tetrahedra(const skein_mesh* mesh) { return flat(mesh->mesh.required_tets); }
 const int64_t* skein_required_triangles(const skein_mesh* mesh) { return flat(mesh->mesh.required_triangles); }
 int skein_field_width(const skein_mesh* mesh) { return mesh->fields.width; }
 const double* skein_fields(const skein_mesh* mesh) { return flat(mesh->fields.values); }

@@ -62,6 +62,7 @@ void check_and_complete(PartitionedMesh& m) {
   require_local(Lists{m.ridges}, m.edges.size(), "the list of ridges", "edges");
   require_local(Lists{m.required_edges}, m.edges.size(), "the list of required edges", "edges");
   require_local(Lists{m.required_triangles}, m.triangles.size(), "the list of required triangles", "triangles");
+  require_local(Lists{m.required_tets}, m.tets.size(), "the list of required tetrahedra", "tetrahedra");
 }
 
 // --- vertices
@@ -280,6 +281,8 @@ SlicedParts to_slices(const Comm& comm, PartitionedMesh in, std::vector<double> 
   m.tets.reserve(in.tets.size());
   for (const auto& t : in.tets) m.tets.push_back(numbered(t, number));
   m.tet_refs = std::move(in.tet_refs);
+  const std::int64_t first_tet = comm.exclusive_sum(std::ssize(m.tets));
+  for (const std::int32_t t : in.required_tets) m.required_tets.push_back(first_tet + t);
   in.tets = {};
   slice_entities<3>(comm, in.triangles, in.triangle_refs, number,
                     marks_of(in.triangles.size(), {}, in.required_triangles),
@@ -306,6 +309,9 @@ PartitionedMesh to_partitioned_mesh(const Comm& comm, DistMesh&& dist) {
     if (e.has(kRequiredEdge)) out.required_edges.push_back(static_cast<std::int32_t>(out.edges.size()));
     out.edges.push_back({num(e.a), num(e.b)});
     out.edge_refs.push_back(e.ref);
+  }
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    if (m.has(t, kRequiredTet)) out.required_tets.push_back(num(t));
   }
   out.corners = flagged(m, kCorner);
   out.required_verts = flagged(m, kRequired);

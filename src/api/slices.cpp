@@ -26,6 +26,7 @@ void require_ranges(const SlicedMesh& m, const MeshSlice& s) {
   require_range(m.ridges, s.edges.total, "the list of ridges", "edges");
   require_range(m.required_edges, s.edges.total, "the list of required edges", "edges");
   require_range(m.required_triangles, s.triangles.total, "the list of required triangles", "triangles");
+  require_range(m.required_tets, s.tets.total, "the list of required tetrahedra", "tetrahedra");
 }
 
 VertexListSlice to_list(const Comm& comm, Numbers numbers) {
@@ -91,6 +92,7 @@ MeshSlice to_mesh_slice(const Comm& comm, SlicedMesh m) {
   s.required_verts = to_list(comm, std::move(m.required_verts));
   s.required_edges = to_list(comm, std::move(m.required_edges));
   s.required_triangles = to_list(comm, std::move(m.required_triangles));
+  s.required_tets = to_list(comm, std::move(m.required_tets));
   return s;
 }
 
@@ -116,6 +118,7 @@ SlicedMesh to_sliced_mesh(MeshSlice s) {
   m.required_verts = from_list(s.required_verts);
   m.required_edges = from_list(s.required_edges);
   m.required_triangles = from_list(s.required_triangles);
+  m.required_tets = from_list(s.required_tets);
   return m;
 }
 

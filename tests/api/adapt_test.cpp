@@ -1,6 +1,7 @@
 // The library on arrays: both conventions, carried fields, errors, progress, communicators.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -84,6 +85,59 @@ TEST(Adapt, PartsGiveWhatSlicesGive) {
   for (const std::int64_t g : b.mesh.local2global) top = std::max(top, g);
   MPI_Allreduce(MPI_IN_PLACE, &top, 1, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD);
   EXPECT_EQ(top + 1, b.report.vertices) << "numbers without gaps";
+}
+
+/// The corners of some entities, each sorted, of all ranks, sorted.
+template <std::size_t N>
+std::vector<std::array<Point, N>> places(const std::vector<std::array<Point, N>>& mine) {
+  const int n = static_cast<int>(3 * N * mine.size()), ranks = ranks_in(MPI_COMM_WORLD);
+  std::vector<int> counts(static_cast<std::size_t>(ranks)), first(counts.size(), 0);
+  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
+  for (std::size_t r = 1; r < first.size(); ++r) first[r] = first[r - 1] + counts[r - 1];
+  std::vector<std::array<Point, N>> all(static_cast<std::size_t>(first.back() + counts.back()) / (3 * N));
+  MPI_Allgatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), first.data(), MPI_DOUBLE, MPI_COMM_WORLD);
+  for (auto& corners : all) std::sort(corners.begin(), corners.end());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// Of those of a partitioned mesh with these local numbers.
+template <std::size_t N>
+std::vector<std::array<Point, N>> places(const PartitionedMesh& m,
+                                         const std::vector<std::array<std::int32_t, N>>& entities,
+                                         const std::vector<std::int32_t>& numbers) {
+  std::vector<std::array<Point, N>> mine;
+  for (const std::int32_t i : numbers) {
+    auto& corners = mine.emplace_back();
+    for (std::size_t k = 0; k < N; ++k) corners[k] = m.coords[entities[i][k]];
+  }
+  return places(mine);
+}
+
+TEST(Adapt, RequiredEntitiesStayBitByBit) {
+  PartitionedMesh mesh = parts(MPI_COMM_WORLD, cube(5));
+  const auto tets = static_cast<std::int32_t>(mesh.tets.size());
+  mesh.required_tets = {0, tets / 3, tets - 1};
+  for (std::int32_t t = 2; t < static_cast<std::int32_t>(mesh.triangles.size()); t += 7)
+    mesh.required_triangles.push_back(t);
+  const auto tets_before = places(mesh, mesh.tets, mesh.required_tets);
+  auto triangles_before = places(mesh, mesh.triangles, mesh.required_triangles);
+  triangles_before.erase(std::unique(triangles_before.begin(), triangles_before.end()), triangles_before.end());
+  Target target = Target::size(std::vector<double>(mesh.coords.size(), 0.09));
+  const auto out = adapt(MPI_COMM_WORLD, std::move(mesh), std::move(target));
+  EXPECT_EQ(places(out.mesh, out.mesh.tets, out.mesh.required_tets), tets_before);
+  EXPECT_EQ(places(out.mesh, out.mesh.triangles, out.mesh.required_triangles), triangles_before);
+  EXPECT_GT(out.report.tets, 5000) << "the rest is adapted";
+}
+
+TEST(Adapt, RequiredTetrahedraOfSlices) {
+  SlicedMesh mesh = sliced(MPI_COMM_WORLD, cube(4));
+  if (rank_in(MPI_COMM_WORLD) == 0) mesh.required_tets = {17, 380};
+  Target target = Target::size(std::vector<double>(mesh.coords.size(), 0.4));
+  const auto out = adapt(MPI_COMM_WORLD, std::move(mesh), std::move(target));
+  std::int64_t kept = std::ssize(out.mesh.required_tets);
+  MPI_Allreduce(MPI_IN_PLACE, &kept, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  EXPECT_EQ(kept, 2);
 }
 
 TEST(Adapt, AResultIsAnInput) {
