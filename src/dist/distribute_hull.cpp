@@ -10,7 +10,8 @@ namespace {
 std::vector<HullFace> hull_of(const Growing& g) {
   const TetMesh& m = g.dist.mesh;
   std::vector<HullFace> out;
-  for (const FaceId f : IdRange<FaceId>(4 * m.tet_slots())) {
+  out.reserve(g.speakers.size());
+  for (const FaceId f : g.speakers) {  // every face of the hull is one
     if (!is_hull(m.tag(f))) continue;
     HullFace h;
     const auto v = m.verts(f);

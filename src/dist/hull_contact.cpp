@@ -173,10 +173,16 @@ struct Twins {
 /// The contacts in the cells of this rank.
 class Meeting {
  public:
-  Meeting(const Grid& grid, std::vector<CellFace> faces) : grid_(grid), faces_(std::move(faces)) {
-    std::sort(faces_.begin(), faces_.end(), [](const CellFace& a, const CellFace& b) {
+  Meeting(const Grid& grid, const std::vector<CellFace>& faces) : grid_(grid) {
+    std::vector<std::uint32_t> order(faces.size());  // the faces themselves are too large to be moved about
+    std::iota(order.begin(), order.end(), 0U);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+      const CellFace &a = faces[i], &b = faces[j];
       return std::tie(a.key, a.box.low.x, a.face.tet) < std::tie(b.key, b.box.low.x, b.face.tet);
     });
+    faces_.reserve(faces.size());
+    triangles_.reserve(faces.size());
+    for (const std::uint32_t i : order) faces_.push_back(faces[i]);
     for (const CellFace& f : faces_) triangles_.push_back(contact_triangle(f.face.gid, f.face.x));
     for (std::size_t i = 0; i < faces_.size(); ++i) {
       for (std::size_t j = i + 1; j < faces_.size() && faces_[j].key == faces_[i].key; ++j) {
