@@ -19,10 +19,14 @@ using Group = std::uint32_t;
 
 /// An edge of a face or a feature edge, as one of a group.
 struct EdgeUse {
+  std::uint64_t ends;  ///< both vertices, see ends_of()
   Group group;
-  VertId a, b;
-  Vec3 normal;  ///< of the face; 0: no face
+  std::uint32_t face;  ///< place in the list of normals; 0: no face
 };
+constexpr std::uint64_t ends_of(VertId a, VertId b) noexcept { return std::uint64_t{idx(a)} << 32 | idx(b); }
+constexpr VertId first_end(const EdgeUse& u) noexcept { return to_id<VertId>(u.ends >> 32); }
+constexpr VertId second_end(const EdgeUse& u) noexcept { return to_id<VertId>(u.ends & 0xffffffffU); }
+
 struct SharedEdge {
   Group group;
   GlobalId a, b;
@@ -32,7 +36,7 @@ struct SharedEdge {
 struct Item {
   Group group;
   VertId v;
-  friend auto operator<=>(const Item&, const Item&) = default;
+  friend bool operator==(const Item&, const Item&) = default;
 };
 /// What a rank tells of a shared item: its piece there.
 struct Labelled {
@@ -62,25 +66,23 @@ class Finder {
         shared_(dist.mesh.vert_slots(), 0),
         euler_(patches_ + 2, 0),
         pieces_(patches_ + 2, 0),
-        folded_(patches_, 0) {
+        folded_(patches_, 0),
+        last_place_(dist.mesh.vert_slots(), 0) {
     for (const VertId v : dist.sharing.vert) shared_[v] = 1;
   }
   void take(FaceId f);
-  void take(const FeatureEdge& e) { take(patches_ + 1, e.a, e.b, {}); }
+  void take(const FeatureEdge& e) { take(patches_ + 1, e.a, e.b, 0); }
   ShapesFound result();
 
  private:
-  void take(Group group, VertId a, VertId b, Vec3 normal) {
+  void take(Group group, VertId a, VertId b, std::uint32_t face) {
     if (dist_.vert2gid[b] < dist_.vert2gid[a]) std::swap(a, b);
-    uses_.push_back({group, a, b, normal});
-    items_.push_back({group, a}), items_.push_back({group, b});
+    uses_.push_back({ends_of(a, b), group, face});
   }
-  template <class Use>
-  void count_edges(std::vector<Use>& uses);
+  template <class Use, class Key, class Normal>
+  void count_edges(std::vector<Use>& uses, Key key, Normal normal);
   void count_edges();
-  [[nodiscard]] VertId place(Group group, VertId v) const {
-    return to_id<VertId>(std::lower_bound(items_.begin(), items_.end(), Item{group, v}) - items_.begin());
-  }
+  VertId place(Group group, VertId v);
   void count_pieces();
   void tell_labels(UnionFind<VertId>& sets);
   void join_labels(std::vector<Labelled> told);
@@ -92,7 +94,9 @@ class Finder {
   std::vector<std::int64_t> euler_, pieces_;
   std::vector<double> folded_;
   std::vector<EdgeUse> uses_;
+  std::vector<Vec3> normals_{{}};
   std::vector<Item> items_;
+  IdVector<VertId, std::uint32_t> last_place_;  ///< in items_, of the group that had the vertex last
 };
 
 void Finder::take(FaceId f) {
@@ -101,25 +105,26 @@ void Finder::take(FaceId f) {
   const FaceTag tag = m.tag(f);
   const Vec3 n = normalized(cross(m.coords[v[1]] - m.coords[v[0]], m.coords[v[2]] - m.coords[v[0]]));
   const auto patch = static_cast<Group>(tag_patch(tag));
+  const auto face = static_cast<std::uint32_t>(normals_.size());
+  normals_.push_back(n);
   ++euler_[patch];
   if (is_hull(tag)) ++euler_[patches_];
   for (std::size_t k = 0; k < 3; ++k) {
-    take(patch, v[k], v[(k + 1) % 3], n);
-    if (is_hull(tag)) take(patches_, v[k], v[(k + 1) % 3], n);
+    take(patch, v[k], v[(k + 1) % 3], face);
+    if (is_hull(tag)) take(patches_, v[k], v[(k + 1) % 3], face);
   }
 }
 
 /// Edges that are all here: each once, and the fold at those with two faces of the patch. More faces, or one, make a
 /// feature edge, and at those the patch may fold.
-template <class Use>
-void Finder::count_edges(std::vector<Use>& uses) {
-  const auto key = [](const Use& u) { return std::tie(u.group, u.a, u.b); };
+template <class Use, class Key, class Normal>
+void Finder::count_edges(std::vector<Use>& uses, Key key, Normal normal) {
   std::sort(uses.begin(), uses.end(), [&](const Use& u, const Use& w) { return key(u) < key(w); });
   for (std::size_t i = 0, j = 0; i < uses.size(); i = j) {
     for (j = i; j < uses.size() && key(uses[j]) == key(uses[i]);) ++j;
     --euler_[uses[i].group];
     if (j - i != 2 || uses[i].group >= patches_) continue;
-    if (norm(cross(uses[i].normal, uses[i + 1].normal)) > kStraight) folded_[uses[i].group] = 1;
+    if (norm(cross(normal(uses[i]), normal(uses[i + 1]))) > kStraight) folded_[uses[i].group] = 1;
   }
 }
 
@@ -127,20 +132,47 @@ void Finder::count_edges() {
   std::vector<Rank> dest;
   std::vector<SharedEdge> send;
   std::erase_if(uses_, [&](const EdgeUse& u) {
-    if (shared_[u.a] == 0 || shared_[u.b] == 0) return false;
-    send.push_back({u.group, dist_.vert2gid[u.a], dist_.vert2gid[u.b], u.normal});
-    dest.push_back(meeting_rank(dist_.vert2gid[u.a], comm_.size()));
+    const VertId a = first_end(u), b = second_end(u);
+    if (shared_[a] == 0 || shared_[b] == 0) return false;
+    send.push_back({u.group, dist_.vert2gid[a], dist_.vert2gid[b], normals_[u.face]});
+    dest.push_back(meeting_rank(dist_.vert2gid[a], comm_.size()));
     return true;
   });
-  count_edges(uses_);
+  count_edges(
+      uses_, [](const EdgeUse& u) { return std::pair(u.group, u.ends); },
+      [&](const EdgeUse& u) { return normals_[u.face]; });
   auto met = exchange_items(comm_, dest, send).items;
-  count_edges(met);
+  count_edges(
+      met, [](const SharedEdge& u) { return std::tuple(u.group, u.a, u.b); },
+      [](const SharedEdge& u) { return u.normal; });
+}
+
+/// The place of an item, a new one where it is not there. @pre the groups are asked for one after the other
+VertId Finder::place(Group group, VertId v) {
+  std::uint32_t& last = last_place_[v];
+  const Item item{group, v};
+  if (last >= items_.size() || items_[last] != item) {
+    last = static_cast<std::uint32_t>(items_.size());
+    items_.push_back(item);
+  }
+  return to_id<VertId>(last);
 }
 
 void Finder::count_pieces() {
-  once(items_);
+  std::vector<std::size_t> begin(euler_.size() + 1, 0);
+  for (const EdgeUse& u : uses_) ++begin[u.group + 1];
+  for (std::size_t g = 1; g < begin.size(); ++g) begin[g] += begin[g - 1];
+  std::vector<EdgeUse> by_group(uses_.size());
+  for (const EdgeUse& u : uses_) by_group[begin[u.group]++] = u;
+  uses_ = std::move(by_group);
+  std::vector<std::array<VertId, 2>> joints;
+  joints.reserve(uses_.size());
+  for (const EdgeUse& u : uses_) {
+    const VertId a = place(u.group, first_end(u));
+    joints.push_back({a, place(u.group, second_end(u))});
+  }
   UnionFind<VertId> sets(items_.size());
-  for (const EdgeUse& u : uses_) sets.join(place(u.group, u.a), place(u.group, u.b));
+  for (const auto& [a, b] : joints) sets.join(a, b);
   for (std::size_t i = 0; i < items_.size(); ++i) {
     const VertId me = to_id<VertId>(i);
     if (sets.root(me) == me) ++pieces_[items_[i].group];
