@@ -53,30 +53,34 @@ std::vector<Link> link_faces(const Comm& comm, const std::vector<HullFace>& face
   return inquiry.answer(links);
 }
 
-/// The pieces of the hull; a piece is named after one of its faces, by rank and place.
+/// The pieces of the hull; a piece is named after its tetrahedron of the lowest number, whatever the ranks.
 class Pieces {
  public:
   using Name = std::int64_t;
   /// Collective.
-  Pieces(const Comm& comm, const std::vector<HullFace>& faces) : comm_(comm), sets_(faces.size()) {
+  Pieces(const Comm& comm, const std::vector<HullFace>& faces) : comm_(comm), faces_(faces), sets_(faces.size()) {
     const std::vector<Link> links = link_faces(comm, faces);
     name_.resize(faces.size());
     for (const PieceFace f : IdRange<PieceFace>(faces.size())) {
-      name_[f] = own_name(f);
+      name_[f] = faces[idx(f)].tet;
       for (std::size_t k = 0; k < 3; ++k) {
         const Link& l = links[3 * idx(f) + k];
         if (l.rank == comm.rank()) sets_.join(f, l.face);
         if (l.rank != comm.rank() && l.rank != Rank{-1}) remote_.push_back({f, l});
       }
     }
+    for (const PieceFace f : IdRange<PieceFace>(faces.size())) {
+      Name& name = name_[sets_.root(f)];
+      name = std::min(name, faces[idx(f)].tet);
+    }
     while (spread()) {
     }
   }
-  /// The face after which its piece is named, of each piece named after one of this rank's.
+  /// The faces here of tetrahedra after which their pieces are named.
   [[nodiscard]] std::vector<PieceFace> named_here() {
     std::vector<PieceFace> out;
     for (const PieceFace f : IdRange<PieceFace>(name_.size())) {
-      if (sets_.root(f) == f && name_[f] == own_name(f)) out.push_back(f);
+      if (name_[sets_.root(f)] == faces_[idx(f)].tet) out.push_back(f);
     }
     return out;
   }
@@ -90,9 +94,6 @@ class Pieces {
     Name name;
     std::int64_t face;
   };
-  [[nodiscard]] Name own_name(PieceFace f) const noexcept {
-    return static_cast<Name>(num(comm_.rank())) << 32 | num(f);
-  }
   /// Collective. Names go to the other ranks' faces; true when one has changed anywhere.
   bool spread() {
     std::vector<Message> send;
@@ -111,6 +112,7 @@ class Pieces {
     return comm_.sum(changes) > 0;
   }
   const Comm& comm_;
+  const std::vector<HullFace>& faces_;
   UnionFind<PieceFace> sets_;
   IdVector<PieceFace, Name> name_;  ///< at the root of a set
   std::vector<Remote> remote_;
@@ -121,6 +123,11 @@ double solid_angle(const std::array<Vec3, 3>& x, Vec3 p) noexcept {
   const Vec3 a = x[0] - p, b = x[1] - p, c = x[2] - p;
   const double la = norm(a), lb = norm(b), lc = norm(c);
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
+}
+
+std::array<GlobalId, 3> sorted(std::array<GlobalId, 3> v) noexcept {
+  std::sort(v.begin(), v.end());
+  return v;
 }
 
 struct Probe {
@@ -137,7 +144,13 @@ std::vector<Probe> choose_probes(const Comm& comm, const std::vector<HullFace>& 
   std::vector<Probe> probes;
   for (std::size_t i = 0; i < mine.size() && before + static_cast<std::int64_t>(i) < most; ++i)
     probes.push_back({faces[idx(mine[i])], num(comm.rank())});
-  return comm.all_gather(probes);
+  probes = comm.all_gather(probes);
+  std::sort(probes.begin(), probes.end(), [](const Probe& a, const Probe& b) {
+    return std::pair(a.face.tet, sorted(a.face.gid)) < std::pair(b.face.tet, sorted(b.face.gid));
+  });
+  const auto same = [](const Probe& a, const Probe& b) { return a.face.tet == b.face.tet; };
+  probes.erase(std::unique(probes.begin(), probes.end(), same), probes.end());
+  return probes;
 }
 
 }  // namespace

@@ -46,6 +46,8 @@ void prepare(Part& p) {
 
 void find_special_features(Part& p) {
   p.contacts.find(p.mesh);
+  p.has_required_tets =
+      std::any_of(p.mesh.tet_class.begin(), p.mesh.tet_class.end(), [](TetClass c) { return any(c & kRequiredTet); });
   p.has_thin =
       std::any_of(p.mesh.vert_class.begin(), p.mesh.vert_class.end(), [](VertClass c) { return any(c & kThin); });
 }

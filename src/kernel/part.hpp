@@ -133,7 +133,8 @@ struct Part {
   IdVector<TetId, std::uint8_t> dirty;  ///< a bit per kind of pass (Pass): changed since that pass last looked at it
   IdVector<TetId, EdgeBits> edges;
   ContactFans contacts;
-  bool has_thin = false;  ///< there are kThin vertices
+  bool has_thin = false;           ///< there are kThin vertices
+  bool has_required_tets = false;  ///< there are kRequiredTet tetrahedra
 
   [[nodiscard]] std::int64_t live_verts() const noexcept {
     return std::ssize(mesh.coords.raw()) - std::ssize(free_verts);
@@ -184,6 +185,8 @@ struct Part {
   /// A vertex of t has one of these flags.
   [[nodiscard]] bool has_any(TetId t, VertClass flags) const noexcept { return has_any(mesh.vert_class, t, flags); }
   [[nodiscard]] bool has_any(TetId t, VertState flags) const noexcept { return has_any(mesh.vert_state, t, flags); }
+  /// t must stay as it is. Asks the mesh only where there are such tetrahedra.
+  [[nodiscard]] bool must_stay(TetId t) const noexcept { return has_required_tets && mesh.has(t, kRequiredTet); }
   [[nodiscard]] bool active(TetId t) const noexcept { return has_any(t, kActive); }
 
  private:
@@ -211,7 +214,7 @@ VertId new_vertex(Part& part, Vec3 x, const SymTensor& log_m, VertClass vert_cla
 /// Gives a vertex slot back. @pre no live tetrahedron has it.
 void drop_vertex(Part& part, VertId v);
 
-/// Finds what prepare() finds once: contacts and thin edges.
+/// Finds what prepare() finds once: contacts, thin edges and required tetrahedra.
 void find_special_features(Part& part);
 
 /// Calls visit(edge, a, b, la, lb) for the edges in the mask (bits of kEdgeVerts), with their lengths in the metrics of

@@ -161,7 +161,7 @@ TEST(Adapt, ErrorsTellWhatIsWrong) {
   expect(ErrorCode::kInvalidMesh, "counted from 0", [](M& m, T&, F&, O&) { m.corners = {64}; });
   expect(ErrorCode::kInvalidMesh, "references", [](M& m, T&, F&, O&) { m.tet_refs.pop_back(); });
   expect(ErrorCode::kInvalidMesh, "not in the mesh: 161", [](M& m, T&, F&, O&) { m.tets.back()[0] = 64; });
-  expect(ErrorCode::kInvalidMesh, "inverted", [](M& m, T&, F&, O&) { std::swap(m.tets[0][0], m.tets[0][1]); });
+  expect(ErrorCode::kInvalidMesh, "repeated vertex", [](M& m, T&, F&, O&) { m.tets[0][0] = m.tets[0][1]; });
   if (!alone) expect(ErrorCode::kUsage, "the same on all ranks", [](M&, T&, F&, O& o) { o.rounds = 2; });
 }
 

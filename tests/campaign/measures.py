@@ -86,11 +86,19 @@ def lines(mesh):
     return found
 
 
-def ridge_length(mesh):
-    """Per reference but 0: length of ridges."""
-    which = mesh.lists["Ridges"]
+def ridge_length(mesh, which=None):
+    """Per reference: length of ridges, or of the edges `which`."""
+    which = mesh.lists["Ridges"] if which is None else which
     refs, length = mesh.refs["Edges"][which], topology.lengths(mesh.coords, mesh.edges[which])
     return {ref: float(length[refs == ref].sum()) for ref in np.unique(refs).tolist()}
+
+
+def possible_ridges(mesh, parts):
+    """Numbers of the edges that are ridges, or that the program finds to be such: on folds and where patches meet."""
+    found = {tuple(e) for e in topology.feature_edges(parts.tris, parts.label)[0].tolist()}
+    found |= {tuple(e) for e in folds(mesh, parts)}
+    on_fold = [i for i, e in enumerate(np.sort(mesh.edges, axis=1).tolist()) if tuple(e) in found]
+    return np.union1d(mesh.lists["Ridges"], on_fold).astype(int)
 
 
 def corners(mesh, parts, faces):

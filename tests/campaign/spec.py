@@ -12,7 +12,7 @@ FIELDS = ("bodies", "bodies", "regions", "regions", "layers", "solid", "holes")
 PAINTS = ("sides", "one", "random", "region", "plain")
 TRIS = ("all", "all", "all", "hull", "inner", "half", "none")
 SIZES = ("uniform", "fine", "coarse", "linear", "jump", "stretched", "thin", "turning", "keep")
-TORN = ("no", "no", "no", "no", "contacts", "regions", "slit")
+TORN = ("no", "no", "no", "no", "regions", "slit")
 EXTRA = ("no", "no", "no", "no", "surface", "chapter", "quick", "graded", "free")
 REQUIRED = ("vert", "edge", "tri", "tet")
 LISTS = ("sheets", "lines", "points", "drop")
@@ -52,7 +52,15 @@ def draw(seed):
     spec["extra"] = r.choice(EXTRA)
     spec["again"] = int(r.random() < 0.2)
     spec["same"] = int(r.random() < 0.2)
+    tidy(spec)
     return spec
+
+
+def tidy(spec):
+    """A crack is legal where both sides are in the list of triangles, and only as long as they match: each side is then
+    adapted by itself."""
+    if spec["torn"] != "no":
+        spec["tris"], spec["again"] = "all", 0
 
 
 def parse(text):

@@ -183,9 +183,32 @@ std::vector<Planted> faults_of_vertices_and_edges() {
   return all;
 }
 
+std::vector<Planted> faults_of_contact() {
+  std::vector<Planted> all;
+  const Vec3 o{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const auto pair = [](std::vector<Vec3> coords) { return two_tets(std::move(coords), {0, 1, 2, 3}, {4, 5, 6, 7}); };
+  all.push_back(
+      {Fault::kHangingVertex, pair({o, x, y, z, {0.25, 0.25, 0}, {0, 0, -1}, {1, 0, -1}, {0, 1, -1}}), 1, 4, -1, {4}});
+  all.push_back({Fault::kCoveringFaces,  // triangles as in a hexagram
+                 pair({{0, 0, 0}, {3, 0, 0}, {1.5, 3, 0}, {1, 1, 1}, {0, 2, 0}, {3, 2, 0}, {1.5, -1, 0}, {1, 1, -1}}),
+                 1,
+                 0,
+                 1,
+                 {0, 1, 2}});
+  const Vec3 s{0.1, 0.1, 0.1};
+  all.push_back({Fault::kCrossingTets, pair({o, x, y, z, s, x + s, y + s, z + s}), 1, 0, 1, {1, 2, 3}});
+  WholeMesh w = pair({o, x, y, z, o, x, y, -1 * z});
+  w.tris.erase(std::find(w.tris.begin(), w.tris.end(), std::array<std::int64_t, 3>{0, 1, 2})), w.tri_ref.pop_back();
+  all.push_back({Fault::kUnmergedVertices, w, 3, 0, 4, {0}});
+  const Vec3 t{0.01, 0.01, 0.01};
+  all.push_back(
+      {Fault::kNestedTet, pair({o, x, y, z, s, s + 0.1 * x + t, s + 0.1 * y, s + 0.1 * z}), 1, 1, -1, {4, 5, 6}});
+  return all;
+}
+
 std::vector<Planted> planted() {
   std::vector<Planted> all = faults_of_tets();
-  for (auto* more : {&faults_of_triangles, &faults_of_vertices_and_edges}) {
+  for (auto* more : {&faults_of_triangles, &faults_of_vertices_and_edges, &faults_of_contact}) {
     for (auto& p : more()) all.push_back(std::move(p));
   }
   return all;
@@ -223,8 +246,9 @@ TEST(Check, EveryFaultIsFoundCountedAndNamed) {
 
 TEST(Check, AMeshHasOnlyTheFaultsThatArePlanted) {
   // Those that cannot bring others with them.
-  const std::set<Fault> alone{Fault::kHullFaceNotTriangle, Fault::kTriangleNotFace,     Fault::kDuplicateTriangle,
-                              Fault::kUnusedVertex,        Fault::kNonmanifoldHullEdge, Fault::kMisorientedPair};
+  const std::set<Fault> alone{
+      Fault::kHullFaceNotTriangle, Fault::kTriangleNotFace, Fault::kDuplicateTriangle, Fault::kUnusedVertex,
+      Fault::kNonmanifoldHullEdge, Fault::kHangingVertex,   Fault::kCoveringFaces,     Fault::kNestedTet};
   for (const Planted& p : planted()) {
     if (!alone.contains(p.fault)) continue;
     SCOPED_TRACE(key(p.fault));

@@ -243,7 +243,7 @@ TEST(MetricValues, AreRefusedWithPathAndVertexNumber) {
   expect(slice_of(FieldKind::kScalar, {1, 2, kInf}), MetricSource::kField,
          "given.sol: the value at vertex 13 is not finite");
   expect(slice_of(FieldKind::kTensor, {1, 0, 1, 0, 0, 1, 1, 0, -2, 0, 0, 1}), MetricSource::kTensors,
-         "given.sol: the metric at vertex 12 is not positive definite: eigenvalues -2, 1, 1");
+         "given.sol: the metric at vertex 12 is not positive: eigenvalues -2, 1, 1");
   expect(slice_of(FieldKind::kTensor, {kInf, 0, 1, 0, 0, 1}), MetricSource::kTensors,
          "given.sol: the metric at vertex 11 is not finite");
 }

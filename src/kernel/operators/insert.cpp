@@ -72,9 +72,12 @@ void Inserter::grow(VertId p) {
       around_[inside] = around_[i];
       inside += spheres_.contain(i) ? 1 : 0;
     }
-    for (std::size_t i = 0; i < inside; ++i) {
-      if (!m.has(around_[i], kRequiredTet)) cavity_->add(around_[i]);
+    if (part_->has_required_tets) {
+      const auto end = std::remove_if(around_.begin(), around_.begin() + static_cast<std::ptrdiff_t>(inside),
+                                      [&](TetId t) { return part_->must_stay(t); });
+      inside = static_cast<std::size_t>(end - around_.begin());
     }
+    for (std::size_t i = 0; i < inside; ++i) cavity_->add(around_[i]);
   }
 }
 
@@ -363,7 +366,7 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
 
 InsertResult Inserter::inside(TetId t, const std::array<double, 4>& weight, double exclusion) {
   Part& part = *part_;
-  if (part.mesh.has(t, kRequiredTet)) return InsertResult::kRefused;
+  if (part.must_stay(t)) return InsertResult::kRefused;
   const auto v = part.mesh.tet2vert[t];
   Vec3 x;
   SymTensor log_m;

@@ -203,7 +203,7 @@ bool Swapper::face(FaceId f, const RaiseWorst& objective) {
   const FaceId g = m.neighbour(f);
   if (g == kNoFace || m.tag(f) != 0) return false;
   const TetId t = face_tet(f);
-  if (m.has(t, kRequiredTet) || m.has(face_tet(g), kRequiredTet)) return false;
+  if (part_->must_stay(t) || part_->must_stay(face_tet(g))) return false;
   const VertId d = m.apex(f), e = m.apex(g);
   cavity_->clear();
   cavity_->add(t);
