@@ -103,13 +103,27 @@ FieldSlice side_by_side(FieldSlice a, const FieldSlice& b) {
   return a;
 }
 
+EndCheckReport end_check(const Comm& comm, const Invariants& before, DistMesh& dist, const AdaptationOptions& options) {
+  EndCheckReport report = compare(before, invariants(comm, dist), options.end_check);
+  if (report.passed()) return report;
+  if (options.suspect) options.suspect(std::move(dist));
+  agree(comm, [&] {
+    throw Error(ExitCode::kInternal, "the end check has found the result wrong, please report it: " + to_line(report));
+  });
+  return report;
+}
+
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
-                        const std::function<void(const std::string&)>& step_done) {
+                        const std::function<void(const std::string&)>& step_done, EndCheckReport* checked) {
   const auto done = [&](const char* step) {
     if (step_done) step_done(step);
   };
   const int width = input.carried;
   DistMesh dist = distribute_input(comm, std::move(input), options, log);
+
+  log.start("invariants");
+  const Invariants before = invariants(comm, dist);
+  log.finish(local_tets(dist));
 
   log.start("metric");
   VertFields fields = take_carried(dist, width);
@@ -122,6 +136,11 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
 
   adapt(comm, dist, options.adapt, log);
   done("adapt");
+  log.start("end check");
+  EndCheckReport report = end_check(comm, before, dist, options);
+  log.finish(local_tets(dist));
+  if (checked != nullptr) *checked = std::move(report);
+  done("end check");
   if (!carrier.has_any()) return dist;
   carrier.arrive(dist, options.adapt.threads, log);
   done("transfer");

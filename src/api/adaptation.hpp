@@ -9,6 +9,7 @@
 #include "dist/dist_mesh.hpp"
 #include "dist/distribute.hpp"
 #include "mesh/mesh_slice.hpp"
+#include "report/invariants.hpp"
 #include "solution/metric_policy.hpp"
 
 namespace skein {
@@ -24,7 +25,14 @@ struct AdaptationOptions {
   DistributeOptions distribute;
   MetricPolicy metric;
   AdaptOptions adapt;
+  EndCheckLimits end_check;
+  /// Collective. Gets the result when the end check finds it wrong, before the error: to write it as suspect, say.
+  std::function<void(DistMesh&&)> suspect;
 };
+
+/// Collective. Compares the result with what `before` tells of the input. Throws Error(kInternal) on all ranks where
+/// they differ by more than the limits, after options.suspect has had the mesh.
+EndCheckReport end_check(const Comm& comm, const Invariants& before, DistMesh& dist, const AdaptationOptions& options);
 
 /// Growth of sizes per edge when the user has not chosen one: none, but for sizes, which are often given roughly.
 double usual_gradation(MetricSource source) noexcept;
@@ -35,8 +43,10 @@ FieldSlice side_by_side(FieldSlice a, const FieldSlice& b);
 /// Collective. Distributes, makes the metric, adapts and carries the fields over; each is a phase of the log, and what
 /// was found on the way a note. The input is freed as early as can be. The result has the logarithm of the metric in
 /// its column log_metric, and the carried numbers in `fields`. `step_done` is told the name of each part of the way
-/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried).
+/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried). What the end check has
+/// compared comes into `checked`.
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
-                        const std::function<void(const std::string&)>& step_done = {});
+                        const std::function<void(const std::string&)>& step_done = {},
+                        EndCheckReport* checked = nullptr);
 
 }  // namespace skein

@@ -130,8 +130,12 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   note_threads(comm, o.run.threads, record.log);
   FieldsOut fields;
   AdaptationInput input = read_input(comm, o, record, fields);
-  DistMesh dist = run_adaptation(comm, std::move(input), to_adaptation(o), record.log,
-                                 [&](const std::string& step) { record.lap(step); });
+  AdaptationOptions options = to_adaptation(o);
+  options.suspect = [&](DistMesh&& dist) { write_suspect(comm, o.run.output, std::move(dist)); };
+  EndCheckReport checked;
+  DistMesh dist = run_adaptation(
+      comm, std::move(input), options, record.log, [&](const std::string& step) { record.lap(step); }, &checked);
+  record.end_check = skein::to_json(checked);
   record.finish(comm, std::move(dist), fields);
   return ExitCode::kOk;
 }

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 
 #include "app/files.hpp"
 #include "app/large_blocks.hpp"
@@ -45,6 +46,17 @@ void require_outputs(const Comm& comm, const RunOptions& o) {
   require_output(comm, o.output, kMeshOutputs);
   require_output(comm, o.metric_out, kFields);
   require_output(comm, o.report, {});
+}
+
+std::string suspect_path(const std::string& output) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / (path.stem().string() + ".suspect" + path.extension().string())).string();
+}
+
+void write_suspect(const Comm& comm, const std::string& output, DistMesh dist) {
+  const MeshSlice mesh = to_slices(comm, dist);
+  dist = {};
+  write_mesh(comm, suspect_path(output), mesh);
 }
 
 PhaseLog::Output progress_output(const RunOptions& options) {
@@ -114,6 +126,7 @@ Json RunRecord::to_json(const Comm& comm, const DistMesh& dist, const Json& stat
               {"seconds", seconds},
               {"peak_bytes", comm.all_gather(peak_memory())},
               {"phases", phases}};
+  if (!end_check.is_null()) report["end_check"] = end_check;
   for (const char* key : {"complexity", "tets_per_complexity", "edges", "length", "quality", "dihedral", "volume"}) {
     report[key] = statistics.at(key);
   }

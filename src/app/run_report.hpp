@@ -23,6 +23,11 @@ void add_run_options(CLI::App& verb, RunOptions& o);
 /// Collective. Throws Error(kOutput) unless all outputs can be made.
 void require_outputs(const Comm& comm, const RunOptions& o);
 
+/// The name under which a mesh is written that the end check has found wrong: out.mesh becomes out.suspect.mesh.
+std::string suspect_path(const std::string& output);
+/// Collective. Writes the mesh under suspect_path(output).
+void write_suspect(const Comm& comm, const std::string& output, DistMesh dist);
+
 /// How progress is to be shown on standard output: lines that overwrite themselves on a terminal (but not under mpirun,
 /// which collects the output of the ranks), plain lines elsewhere.
 PhaseLog::Output progress_output(const RunOptions& options);
@@ -43,6 +48,7 @@ class RunRecord {
   std::string input;
   Json options = Json::object();  ///< as given on the command line
   std::int64_t elements_in = 0, vertices_in = 0;
+  Json end_check;  ///< null: there was no mesh to compare with
 
   /// Seconds since the last lap (or the beginning) belong to `name`. Not collective.
   void lap(const std::string& name);
