@@ -1,0 +1,241 @@
+// Points of the reference surface.
+#include "geometry/reference_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/hermite.hpp"
+
+namespace skein {
+namespace {
+
+constexpr int kMostHops = 64;    ///< triangles or edges that a walk crosses before the tree is asked
+constexpr int kMostSteps = 8;    ///< of the iteration to the foot of a perpendicular
+constexpr double kSettled = 1e-13;
+constexpr double kFarBeyond = 0.1;   ///< barycentric: a curved feature bulges less beyond its chord
+constexpr double kSameSheet = -0.2;  ///< cosine between normals of places of one sheet that are near each other
+using Weights = std::array<double, 3>;
+
+constexpr std::size_t next(std::size_t i) noexcept { return i == 2 ? 0 : i + 1; }
+
+/// Barycentric coordinates of the foot of x in the plane of the triangle, or of the direction d (sum 0).
+Weights weights_of(const std::array<Vec3, 3>& p, Vec3 x) noexcept {
+  const Vec3 u = p[1] - p[0], v = p[2] - p[0], d = x - p[0];
+  const Vec3 n = cross(u, v);
+  const double n2 = dot(n, n);
+  if (!(n2 > 0)) return {1, 0, 0};
+  const double w1 = dot(cross(d, v), n) / n2, w2 = dot(cross(u, d), n) / n2;
+  return {1 - w1 - w2, w1, w2};
+}
+
+Weights clamped(const Weights& w) noexcept {
+  Weights c{};
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) sum += c[i] = std::max(w[i], 0.0);
+  for (double& v : c) v /= sum;
+  return c;
+}
+
+std::size_t lowest(const Weights& w) noexcept {
+  return w[0] <= w[1] ? (w[0] <= w[2] ? 0 : 2) : (w[1] <= w[2] ? 1 : 2);
+}
+
+}  // namespace
+
+Vec3 ReferenceSurface::normal_at(std::int32_t t, const Weights& w) const noexcept {
+  const Patch& p = tri(t);
+  if (p.flat) return p.facet_normal;
+  return normalized(w[0] * p.normal[0] + w[1] * p.normal[1] + w[2] * p.normal[2]);
+}
+
+Vec3 ReferenceSurface::evaluate(std::int32_t t, const Weights& w) const noexcept {
+  const Patch& p = tri(t);
+  if (p.flat) return w[0] * p.x[0] + w[1] * p.x[1] + w[2] * p.x[2];
+  // From each corner to the point opposite it; the three results are blended so that each counts alone on its side.
+  Vec3 sum;
+  double total = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = next(i), k = next(j);
+    const double across = w[j] + w[k];
+    if (!(across > 0)) return p.x[i];
+    const double blend = w[j] * w[j] * w[k] * w[k];
+    if (blend == 0 && w[i] > 0 && w[j] * w[k] == 0) {
+      if (w[j] == 0 && w[k] == 0) return p.x[i];
+      continue;
+    }
+    const double s = w[k] / across;
+    const auto& m = p.derivative[i];
+    const Vec3 foot = hermite(p.x[j], m[0], p.x[k], m[1], s);
+    if (w[i] == 0) return foot;
+    const Vec3 along = normalized(hermite_derivative(p.x[j], m[0], p.x[k], m[1], s));
+    const Vec3 blended = (1 - s) * p.normal[j] + s * p.normal[k];
+    const Vec3 n = normalized(blended - dot(blended, along) * along);
+    const Vec3 d = foot - p.x[i];
+    const Vec3 point = hermite(p.x[i], end_derivative_on(d, p.normal[i]), foot, end_derivative_on(d, n), across);
+    sum += blend * point;
+    total += blend;
+  }
+  if (total > 0) return (1 / total) * sum;
+  // On a side, next to a corner.
+  const std::size_t i = lowest(w), j = next(i), k = next(j);
+  return hermite(p.x[j], p.derivative[i][0], p.x[k], p.derivative[i][1], w[k] / (w[j] + w[k]));
+}
+
+bool ReferenceSurface::walk(Vec3 x, std::int32_t& t, Weights& w) const noexcept {
+  std::int32_t before = -1;
+  for (int hop = 0; hop < kMostHops; ++hop) {
+    const Patch& p = tri(t);
+    w = weights_of(p.x, x);
+    // Over the side that x is farthest beyond, of those that have something behind them.
+    std::size_t side = 3;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (w[i] < 0 && p.neighbour[i] >= 0 && (side == 3 || w[i] < w[side])) side = i;
+    }
+    if (side == 3 || p.neighbour[side] == before) {
+      // Over a convex side both triangles send it back. Far beyond a side with nothing behind, the way may lead round.
+      const bool far = side == 3 && w[lowest(w)] < -kFarBeyond;
+      w = nearest_on_triangle(x, p.x[0], p.x[1], p.x[2]).weight;
+      return !far;
+    }
+    before = t;
+    t = p.neighbour[side];
+  }
+  return false;
+}
+
+std::int32_t ReferenceSurface::search(Vec3 x, SurfacePlace from) const noexcept {
+  const auto search_if = [&](auto&& fits) { return tree_.nearest(in_.points, in_.triangles, x, fits); };
+  if (!is_triangle(from)) return search_if([](std::int32_t) { return true; });
+  const Patch& home = tri(triangle_of(from));
+  return search_if([&](std::int32_t t) {
+    return tri(t).piece == home.piece && dot(tri(t).facet_normal, home.facet_normal) > kSameSheet;
+  });
+}
+
+SurfacePoint ReferenceSurface::settle(Vec3 x, std::int32_t t, Weights w) const noexcept {
+  SurfacePoint out;
+  int hops = 0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Patch& p = tri(t);
+    const Vec3 n = normal_at(t, w);
+    out = {evaluate(t, w), on_triangle(t), n, p.flat};
+    if (p.flat) return out;
+    const Vec3 off = x - out.x;
+    const Vec3 aside = off - dot(off, n) * n;
+    const Weights zero = weights_of(p.x, p.x[0]), change = weights_of(p.x, p.x[0] + aside);
+    Weights to{};
+    double moved = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      to[i] = w[i] + change[i] - zero[i];
+      moved = std::max(moved, std::abs(change[i] - zero[i]));
+    }
+    if (moved < kSettled) return out;
+    const std::size_t side = lowest(to);
+    if (to[side] < -1e-9 && p.neighbour[side] >= 0 && hops < 3) {
+      t = p.neighbour[side];
+      ++hops;
+      const auto& q = tri(t).x;
+      w = nearest_on_triangle(x - dot(off, n) * n, q[0], q[1], q[2]).weight;
+    } else {
+      to = clamped(to);
+      if (to == w) return out;
+      w = to;
+    }
+  }
+  return out;
+}
+
+SurfacePoint ReferenceSurface::nearest(Vec3 x, SurfacePlace from) const {
+  Weights w{};
+  if (is_edge(from)) from = SurfacePlace::kUnknown;
+  std::int32_t t = triangle_of(from);
+  if (!is_triangle(from) || !walk(x, t, w)) {
+    t = search(x, from);
+    if (t < 0) return {x, SurfacePlace::kUnknown, {}, true};
+    const auto& p = tri(t).x;
+    w = nearest_on_triangle(x, p[0], p[1], p[2]).weight;
+  }
+  return settle(x, t, w);
+}
+
+SurfacePoint ReferenceSurface::nearest_on_edges(Vec3 x, SurfacePlace from) const {
+  const auto share = [&](const Curve& c) {
+    const Vec3 d = c.x1 - c.x0;
+    return dot(x - c.x0, d) / dot(d, d);
+  };
+  std::int32_t e = edge_of(from);
+  if (!is_edge(from)) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < curves_.size(); ++i) {
+      const Curve& c = curves_[i];
+      const Vec3 off = x - (c.x0 + std::clamp(share(c), 0.0, 1.0) * (c.x1 - c.x0));
+      if (dot(off, off) < least) least = dot(off, off), e = static_cast<std::int32_t>(i);
+    }
+    if (!(least < std::numeric_limits<double>::infinity())) return {x, SurfacePlace::kUnknown, {}, true};
+  }
+  std::int32_t before = -1;
+  double s = share(curve(e));
+  for (int hop = 0; hop < kMostHops && (s < 0 || s > 1); ++hop) {
+    const std::int32_t to = curve(e).next[s < 0 ? 0 : 1];
+    if (to < 0 || to == before) break;
+    before = e;
+    e = to;
+    s = share(curve(e));
+  }
+  s = std::clamp(s, 0.0, 1.0);
+  const Curve& c = curve(e);
+  const auto point = [&] { return hermite(c.x0, c.d0, c.x1, c.d1, s); };
+  const auto slope = [&] { return hermite_derivative(c.x0, c.d0, c.x1, c.d1, s); };
+  for (int step = 0; step < kMostSteps && !c.straight; ++step) {
+    const Vec3 d = slope();
+    const double to = std::clamp(s + dot(x - point(), d) / dot(d, d), 0.0, 1.0);
+    if (std::abs(to - s) < kSettled) break;
+    s = to;
+  }
+  return {point(), on_edge(e), normalized(slope()), c.straight};
+}
+
+double ReferenceSurface::allowed_deviation(SurfacePlace place) const noexcept {
+  if (limit_.empty()) return std::numeric_limits<double>::infinity();
+  const std::int32_t t = is_edge(place) ? curve(edge_of(place)).triangle : triangle_of(place);
+  return t < 0 ? least_limit_ : limit_[static_cast<std::size_t>(tri(t).piece)];
+}
+
+void ReferenceSurface::limit_deviation(double share, double most) {
+  std::vector<Box> box;
+  for (const Patch& p : patches_) {
+    const auto piece = static_cast<std::size_t>(p.piece);
+    if (box.size() <= piece) box.resize(piece + 1, kEmptyBox);
+    for (const Vec3 x : p.x) box[piece] = join(box[piece], x);
+  }
+  limit_.clear();
+  least_limit_ = most;
+  for (const Box& b : box) {
+    limit_.push_back(std::min(share * norm(b.high - b.low), most));
+    least_limit_ = std::min(least_limit_, limit_.back());
+  }
+}
+
+ReferenceSurface::Measure ReferenceSurface::measure(std::int32_t t) const noexcept {
+  constexpr int kParts = 4;  // of a side
+  const auto point = [&](int i, int j) {
+    const double a = static_cast<double>(i) / kParts, b = static_cast<double>(j) / kParts;
+    return evaluate(t, {1 - a - b, a, b});
+  };
+  Measure sum;
+  const Vec3 origin = tri(t).x[0];
+  const auto add = [&](Vec3 a, Vec3 b, Vec3 c) {
+    sum.area += 0.5 * norm(cross(b - a, c - a));
+    sum.volume += volume6(origin, a, b, c) / 6;
+  };
+  for (int i = 0; i < kParts; ++i) {
+    for (int j = 0; i + j < kParts; ++j) {
+      add(point(i, j), point(i + 1, j), point(i, j + 1));
+      if (i + j + 1 < kParts) add(point(i + 1, j), point(i + 1, j + 1), point(i, j + 1));
+    }
+  }
+  return sum;
+}
+
+}  // namespace skein
