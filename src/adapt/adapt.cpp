@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -220,6 +221,12 @@ Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseL
   }
 }
 
+std::unique_ptr<Geometry> make_geometry(const AdaptOptions& o) {
+  if (o.reference != nullptr && o.reference->shape() == SurfaceShape::kPatches)
+    return std::make_unique<PatchGeometry>(o.method.facets, o.method.patches, *o.reference);
+  return std::make_unique<FacetGeometry>(o.method.facets, o.reference);
+}
+
 }  // namespace
 
 void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseLog& log) {
@@ -228,8 +235,8 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   local.spacing = options.spacing;
   local.kernel.method = options.method;
   local.kernel.surface = options.surface ? SurfaceChange::kAllowed : SurfaceChange::kNone;
-  const FacetGeometry facets(options.method.facets);
-  local.geometry = &facets;
+  const auto geometry = make_geometry(options);
+  local.geometry = geometry.get();
   agree(comm, [&] {
     if (dist.mesh.log_metric.size() != dist.mesh.vert_slots())
       throw Error(ExitCode::kInternal, "adapt needs the log-metric at the vertices");

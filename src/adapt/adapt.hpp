@@ -3,6 +3,7 @@
 #include "comm/comm.hpp"
 #include "comm/phase_log.hpp"
 #include "dist/dist_mesh.hpp"
+#include "geometry/reference_surface.hpp"
 #include "kernel/method.hpp"
 #include "metric/spacing.hpp"
 
@@ -13,6 +14,9 @@ struct AdaptOptions {
   int threads = 1;  ///< threads in each rank
   Method method;
   bool surface = true;  ///< boundary faces may change (false: the boundary triangulation is kept as it is)
+  /// The surface that the boundary stands for (not owned); the mesh then has its column surface_place. Null: the facets
+  /// as they are, and deviations from them add up from operation to operation.
+  const ReferenceSurface* reference = nullptr;
   const SpacingField* spacing =
       nullptr;  ///< evaluated at every new vertex and intersected with the interpolated metric
 };

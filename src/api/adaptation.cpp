@@ -92,6 +92,26 @@ DistMesh distribute_input(const Comm& comm, AdaptationInput&& from, const Adapta
   return dist;
 }
 
+/// Collective. Makes the reference surface of the boundary, and adapts.
+void adapt_on_surface(const Comm& comm, DistMesh& dist, const AdaptationOptions& options, PhaseLog& log,
+                      Invariants& before) {
+  if (!options.adapt.surface) return adapt(comm, dist, options.adapt, log);
+  log.start("surface");
+  std::optional<ReferenceSurface> reference;
+  const BoundarySurface boundary = gather_boundary(comm, dist, options.deviation);
+  agree(comm, [&] {
+    reference.emplace(boundary.input, options.geometry);
+    reference->limit_deviation(options.deviation.share, boundary.most);
+    place_on_own_surface(dist, boundary, *reference);
+    add_smooth(before, dist.mesh, boundary, *reference);
+  });
+  log.finish(local_tets(dist));
+  AdaptOptions adapt_options = options.adapt;
+  adapt_options.reference = &*reference;
+  adapt(comm, dist, adapt_options, log);
+  dist.mesh.surface_place = {};
+}
+
 }  // namespace
 
 double usual_gradation(MetricSource source) noexcept { return source == MetricSource::kSizes ? kSizeGradation : 0; }
@@ -122,7 +142,7 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
   DistMesh dist = distribute_input(comm, std::move(input), options, log);
 
   log.start("invariants");
-  const Invariants before = invariants(comm, dist);
+  Invariants before = invariants(comm, dist);
   log.finish(local_tets(dist));
 
   log.start("metric");
@@ -134,7 +154,7 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
   note_gradation(log, graded, dist.global_verts);
   done("distribute");
 
-  adapt(comm, dist, options.adapt, log);
+  adapt_on_surface(comm, dist, options, log, before);
   done("adapt");
   log.start("end check");
   EndCheckReport report = end_check(comm, before, dist, options);

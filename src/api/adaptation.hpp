@@ -8,6 +8,7 @@
 #include "comm/phase_log.hpp"
 #include "dist/dist_mesh.hpp"
 #include "dist/distribute.hpp"
+#include "dist/reference.hpp"
 #include "mesh/mesh_slice.hpp"
 #include "report/invariants.hpp"
 #include "solution/metric_policy.hpp"
@@ -24,7 +25,9 @@ struct AdaptationInput {
 struct AdaptationOptions {
   DistributeOptions distribute;
   MetricPolicy metric;
-  AdaptOptions adapt;
+  SurfaceShape geometry = SurfaceShape::kPatches;  ///< how the boundary runs between the vertices of the input
+  DeviationLimits deviation;
+  AdaptOptions adapt;  ///< its `reference` is made on the way
   EndCheckLimits end_check;
   /// Collective. Gets the result when the end check finds it wrong, before the error: to write it as suspect, say.
   std::function<void(DistMesh&&)> suspect;

@@ -34,6 +34,8 @@ struct Options {
   bool dump_config = false;
   double ridge_angle = DistributeOptions{}.ridge_angle;
   bool no_surface = false;
+  std::string geometry = "patches";
+  std::optional<double> deviation;
 };
 
 /// Collective. What can be said before any file is read.
@@ -77,6 +79,8 @@ Json to_json(const Options& o) {
   j["points"] = o.adapt.method.points == PointCreation::kCentroids ? "centroid" : "edges";
   j["smoothing"] = o.adapt.method.smoothing == Smoothing::kSprings ? "springs" : "quality";
   j["ridge_angle"] = o.ridge_angle, j["surface"] = !o.no_surface;
+  j["geometry"] = o.geometry;
+  if (o.deviation) j["deviation"] = *o.deviation;
   return j;
 }
 
@@ -103,6 +107,8 @@ AdaptationOptions to_adaptation(const Options& o) {
   a.adapt = o.adapt;
   a.adapt.threads = o.run.threads;
   a.adapt.surface = !o.no_surface;
+  a.geometry = o.geometry == "facets" ? SurfaceShape::kFacets : SurfaceShape::kPatches;
+  if (o.deviation) a.deviation = {*o.deviation, 0};
   return a;
 }
 
@@ -138,6 +144,19 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   record.end_check = skein::to_json(checked);
   record.finish(comm, std::move(dist), fields);
   return ExitCode::kOk;
+}
+
+/// Options of what the boundary stands for.
+void add_surface_options(CLI::App& verb, Options& o) {
+  verb.add_option("--ridge-angle", o.ridge_angle, "surface edges folded more than this are kept, degrees")
+      ->check(CLI::Range(0.0, 180.0));
+  verb.add_flag("--no-surface", o.no_surface, "keep the boundary triangles as they are");
+  verb.add_option("--geometry", o.geometry, "how the boundary runs between the vertices of IN: curved or flat")
+      ->check(CLI::IsMember({"patches", "facets"}));
+  verb.add_option("--deviation", o.deviation,
+                  "how far the boundary may be off that of IN, relative to the bounding box of each smooth piece; "
+                  "0.001, and less where bodies are thin")
+      ->check(CLI::Range(0.0, 1.0));
 }
 
 /// Options that choose the method and its numbers.
@@ -176,9 +195,7 @@ void add_adapt(CLI::App& cli, Run& run) {
   add_merge_option(*verb, o->merge);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
   add_method_options(*verb, *o);
-  verb->add_option("--ridge-angle", o->ridge_angle, "surface edges folded more than this are kept, degrees")
-      ->check(CLI::Range(0.0, 180.0));
-  verb->add_flag("--no-surface", o->no_surface, "keep the boundary triangles as they are");
+  add_surface_options(*verb, *o);
   verb->footer("Example: mpirun -n 4 skein adapt wing.meshb --metric wing.solb --complexity 50000 -o fine.meshb");
   verb->callback([o, in, verb, &run] {
     for (const CLI::Option* needed : {in, verb->get_option("--output")}) {

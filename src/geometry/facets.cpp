@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/deviation.hpp"
+
 namespace skein {
 namespace {
 
@@ -41,19 +43,23 @@ std::optional<Freedom> in_plane(const TetMesh& m, std::span<const std::array<Ver
 
 }  // namespace
 
-FacetGeometry::FacetGeometry(const FacetLimits& limits)
-    : limits_(limits), min_dot_(std::cos(limits.max_turn * std::numbers::pi / 180)) {}
+FacetGeometry::FacetGeometry(const FacetLimits& limits, const ReferenceSurface* reference)
+    : limits_(limits), min_dot_(std::cos(limits.max_turn * std::numbers::pi / 180)), reference_(reference) {}
 
-Vec3 FacetGeometry::between(const TetMesh& m, VertId a, VertId b, double s, EdgeKind) const {
-  return m.coords[a] + s * (m.coords[b] - m.coords[a]);
+BoundaryPoint FacetGeometry::between(const TetMesh& m, VertId a, VertId b, double s, EdgeKind) const {
+  return {m.coords[a] + s * (m.coords[b] - m.coords[a])};
 }
 
-Vec3 FacetGeometry::middle(const TetMesh& m, VertId a, VertId b, EdgeKind) const {
+BoundaryPoint FacetGeometry::middle(const TetMesh& m, VertId a, VertId b, EdgeKind) const {
   const Vec3 xa = m.coords[a], xb = m.coords[b];
-  return {0.5 * (xa.x + xb.x), 0.5 * (xa.y + xb.y), 0.5 * (xa.z + xb.z)};
+  return {{0.5 * (xa.x + xb.x), 0.5 * (xa.y + xb.y), 0.5 * (xa.z + xb.z)}};
 }
 
-Vec3 FacetGeometry::project(const TetMesh&, VertId, Vec3 x) const { return x; }
+BoundaryPoint FacetGeometry::project(const TetMesh&, VertId, Vec3 x) const { return {x}; }
+
+bool FacetGeometry::allows_move(const TetMesh&, VertId, Vec3, std::span<const std::array<VertId, 3>>) const {
+  return true;  // in a plane or along a line
+}
 
 std::optional<Freedom> FacetGeometry::freedom(const TetMesh& m, VertId v, const BoundaryStar& star) const {
   if (m.has(v, kRidge)) return along_ridge(m, v, star.ridge_ends);
@@ -73,7 +79,7 @@ bool FacetGeometry::allows_collapse(const TetMesh& m, VertId v, VertId u, std::s
     if (height <= limits_.collapse_deviation * size) near = true;
     if (height > kFlat * size) flat = false;
   }
-  return near || flat;
+  return flat || (near && (reference_ == nullptr || stays_near(*reference_, m, v, u, facets)));
 }
 
 bool FacetGeometry::allows_ridge_collapse(const TetMesh& m, VertId v, VertId u, VertId w) const {
@@ -95,7 +101,11 @@ bool FacetGeometry::allows_swap(const TetMesh& m, VertId a, VertId b, VertId c, 
   }
   const Vec3 e = xb - xa;
   const double height = std::abs(volume6(xa, xb, x0, x1)) / std::max(norm(cross(e, x1 - x0)), 1e-300);
-  return height <= limits_.swap_deviation * std::min(norm(e), norm(x1 - x0));
+  const double size = std::min(norm(e), norm(x1 - x0));
+  if (reference_ == nullptr || height <= kFlat * size) return height <= limits_.swap_deviation * size;
+  return height <= limits_.swap_deviation * size &&
+         swap_stays_near(*reference_, m, std::array{std::array{a, b, c}, std::array{b, a, d}},
+                         std::array{std::array{d, c, a}, std::array{c, d, b}});
 }
 
 const FacetGeometry& default_geometry() noexcept {

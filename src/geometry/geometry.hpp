@@ -22,6 +22,12 @@ constexpr VertClass class_on(EdgeKind kind) noexcept {
   return kClass[static_cast<std::size_t>(kind)];
 }
 
+/// A place for a vertex of the boundary.
+struct BoundaryPoint {
+  Vec3 x;
+  SurfacePlace place = SurfacePlace::kUnknown;  ///< for the column surface_place
+};
+
 /// Where a vertex may go: the whole space, a plane or a line through where it is.
 struct Freedom {
   int dims = 3;
@@ -41,7 +47,7 @@ struct BoundaryStar {
 };
 
 /// The surface that the boundary of the mesh stands for. What it answers depends on nothing but its arguments and the
-/// coordinates of the vertices that they name, so both sides of an interface between parts get the same bits. Several
+/// coordinates and surface places of the vertices that they name, so both sides of an interface between parts get the same bits. Several
 /// threads may ask at once. Calls are per operation on the boundary, never per tetrahedron inside.
 class Geometry {
  public:
@@ -51,11 +57,11 @@ class Geometry {
   virtual ~Geometry() = default;
 
   /// The place of a new vertex at the share s of the way from a to b, on an edge of the boundary. @pre 0 < s < 1.
-  [[nodiscard]] virtual Vec3 between(const TetMesh& mesh, VertId a, VertId b, double s, EdgeKind kind) const = 0;
+  [[nodiscard]] virtual BoundaryPoint between(const TetMesh& mesh, VertId a, VertId b, double s, EdgeKind kind) const = 0;
   /// The same for s = 1/2: the same bits also when a and b change places.
-  [[nodiscard]] virtual Vec3 middle(const TetMesh& mesh, VertId a, VertId b, EdgeKind kind) const = 0;
+  [[nodiscard]] virtual BoundaryPoint middle(const TetMesh& mesh, VertId a, VertId b, EdgeKind kind) const = 0;
   /// The place on the geometry for vertex v of the boundary when it is to go to x.
-  [[nodiscard]] virtual Vec3 project(const TetMesh& mesh, VertId v, Vec3 x) const = 0;
+  [[nodiscard]] virtual BoundaryPoint project(const TetMesh& mesh, VertId v, Vec3 x) const = 0;
   /// Where a vertex of the boundary may move; nothing: it must stay. @pre v is no corner, not required, not frozen.
   [[nodiscard]] virtual std::optional<Freedom> freedom(const TetMesh& mesh, VertId v,
                                                        const BoundaryStar& star) const = 0;
@@ -64,6 +70,9 @@ class Geometry {
                                              std::span<const Facet> facets) const = 0;
   /// The feature edges (u, v) and (v, w) may be replaced by (u, w).
   [[nodiscard]] virtual bool allows_ridge_collapse(const TetMesh& mesh, VertId v, VertId u, VertId w) const = 0;
+  /// The vertex v of the boundary may move to x. `facets`: those at it, as they are.
+  [[nodiscard]] virtual bool allows_move(const TetMesh& mesh, VertId v, Vec3 x,
+                                         std::span<const std::array<VertId, 3>> facets) const = 0;
   /// The facets (a, b, c) and (b, a, d) may be replaced by (d, c, a) and (c, d, b).
   [[nodiscard]] virtual bool allows_swap(const TetMesh& mesh, VertId a, VertId b, VertId c, VertId d) const = 0;
 };

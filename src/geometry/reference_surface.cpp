@@ -51,7 +51,7 @@ Vec3 ReferenceSurface::normal_at(std::int32_t t, const Weights& w) const noexcep
 
 Vec3 ReferenceSurface::evaluate(std::int32_t t, const Weights& w) const noexcept {
   const Patch& p = tri(t);
-  if (p.flat) return w[0] * p.x[0] + w[1] * p.x[1] + w[2] * p.x[2];
+  if (p.flat && p.straight) return w[0] * p.x[0] + w[1] * p.x[1] + w[2] * p.x[2];
   // From each corner to the point opposite it; the three results are blended so that each counts alone on its side.
   Vec3 sum;
   double total = 0;
@@ -202,39 +202,58 @@ double ReferenceSurface::allowed_deviation(SurfacePlace place) const noexcept {
   return t < 0 ? least_limit_ : limit_[static_cast<std::size_t>(tri(t).piece)];
 }
 
-void ReferenceSurface::limit_deviation(double share, double most) {
+void ReferenceSurface::limit_deviation(double share, std::span<const double> most) {
   std::vector<Box> box;
-  for (const Patch& p : patches_) {
-    const auto piece = static_cast<std::size_t>(p.piece);
-    if (box.size() <= piece) box.resize(piece + 1, kEmptyBox);
-    for (const Vec3 x : p.x) box[piece] = join(box[piece], x);
-  }
   limit_.clear();
-  least_limit_ = most;
-  for (const Box& b : box) {
-    limit_.push_back(std::min(share * norm(b.high - b.low), most));
-    least_limit_ = std::min(least_limit_, limit_.back());
+  for (std::size_t t = 0; t < patches_.size(); ++t) {
+    const Patch& p = patches_[t];
+    const auto piece = static_cast<std::size_t>(p.piece);
+    if (box.size() <= piece) box.resize(piece + 1, kEmptyBox), limit_.resize(piece + 1, most[t]);
+    for (const Vec3 x : p.x) box[piece] = join(box[piece], x);
+    limit_[piece] = std::min(limit_[piece], most[t]);
+  }
+  least_limit_ = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    limit_[i] = std::min(limit_[i], share * norm(box[i].high - box[i].low));
+    least_limit_ = std::min(least_limit_, limit_[i]);
   }
 }
 
-ReferenceSurface::Measure ReferenceSurface::measure(std::int32_t t) const noexcept {
+double ReferenceSurface::edge_length(std::int32_t e) const noexcept {
+  const Curve& c = curve(e);
+  if (c.straight) return chord(e);
+  constexpr int kParts = 8;
+  double sum = 0;
+  Vec3 last = c.x0;
+  for (int i = 1; i <= kParts; ++i) {
+    const Vec3 x = hermite(c.x0, c.d0, c.x1, c.d1, static_cast<double>(i) / kParts);
+    sum += norm(x - last);
+    last = x;
+  }
+  return sum;
+}
+
+ReferenceSurface::Gain ReferenceSurface::gain(std::int32_t t) const noexcept {
+  const Patch& p = tri(t);
+  if (p.straight && p.flat) return {};
   constexpr int kParts = 4;  // of a side
   const auto point = [&](int i, int j) {
     const double a = static_cast<double>(i) / kParts, b = static_cast<double>(j) / kParts;
-    return evaluate(t, {1 - a - b, a, b});
+    return evaluate(t, {i + j == kParts ? 0 : 1 - a - b, a, b});
   };
-  Measure sum;
-  const Vec3 origin = tri(t).x[0];
-  const auto add = [&](Vec3 a, Vec3 b, Vec3 c) {
-    sum.area += 0.5 * norm(cross(b - a, c - a));
-    sum.volume += volume6(origin, a, b, c) / 6;
+  Gain sum;
+  const Vec3 origin = in_.points.front();
+  const auto add = [&](Vec3 a, Vec3 b, Vec3 c, double sign) {
+    sum.area += sign * 0.5 * norm(cross(b - a, c - a));
+    sum.volume += sign * volume6(origin, a, b, c) / 6;
   };
   for (int i = 0; i < kParts; ++i) {
     for (int j = 0; i + j < kParts; ++j) {
-      add(point(i, j), point(i + 1, j), point(i, j + 1));
-      if (i + j + 1 < kParts) add(point(i + 1, j), point(i + 1, j + 1), point(i, j + 1));
+      add(point(i, j), point(i + 1, j), point(i, j + 1), 1);
+      if (i + j + 1 < kParts) add(point(i + 1, j), point(i + 1, j + 1), point(i, j + 1), 1);
     }
   }
+  add(p.x[0], p.x[1], p.x[2], -1);
   return sum;
 }
 

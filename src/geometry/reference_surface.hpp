@@ -7,6 +7,7 @@
 
 #include "base/vec3.hpp"
 #include "geometry/surface_tree.hpp"
+#include "mesh/surface_place.hpp"
 
 namespace skein {
 
@@ -25,15 +26,6 @@ struct SurfaceInput {
   std::vector<std::array<std::int32_t, 2>> edges;  ///< feature edges on the triangles, each once
   std::vector<std::uint8_t> is_corner;             ///< per point: feature edges end, branch or bend here
 };
-
-/// Where a point is on the surface: a triangle of it (>= 0), a feature edge (from -2 downwards), or unknown (-1).
-enum class SurfacePlace : std::int32_t { kUnknown = -1 };
-constexpr SurfacePlace on_triangle(std::int32_t t) noexcept { return static_cast<SurfacePlace>(t); }
-constexpr SurfacePlace on_edge(std::int32_t e) noexcept { return static_cast<SurfacePlace>(-2 - e); }
-constexpr bool is_triangle(SurfacePlace p) noexcept { return static_cast<std::int32_t>(p) >= 0; }
-constexpr bool is_edge(SurfacePlace p) noexcept { return static_cast<std::int32_t>(p) <= -2; }
-constexpr std::int32_t triangle_of(SurfacePlace p) noexcept { return static_cast<std::int32_t>(p); }
-constexpr std::int32_t edge_of(SurfacePlace p) noexcept { return -2 - static_cast<std::int32_t>(p); }
 
 /// A point of the surface.
 struct SurfacePoint {
@@ -60,15 +52,15 @@ class ReferenceSurface {
   [[nodiscard]] SurfacePoint nearest(Vec3 x, SurfacePlace from) const;
   /// The same on the feature edges; `from` unknown: the nearest of all edges, which takes long.
   [[nodiscard]] SurfacePoint nearest_on_edges(Vec3 x, SurfacePlace from) const;
-  /// The triangle of the surface at one of its points.
+  /// A triangle of the surface at one of its points, the feature edge of a point on a feature, unknown at a corner.
   [[nodiscard]] SurfacePlace place_of_point(std::int32_t point) const noexcept {
     return places_[static_cast<std::size_t>(point)];
   }
   /// How far a facet at this place may be off the surface, as limit_deviation() has set it; without it, as far as it likes.
   [[nodiscard]] double allowed_deviation(SurfacePlace place) const noexcept;
   /// Sets it: `share` of the bounding box of each smooth piece (triangles that no feature edge separates), not above
-  /// `most`.
-  void limit_deviation(double share, double most);
+  /// `most` of any of its triangles.
+  void limit_deviation(double share, std::span<const double> most);
 
   [[nodiscard]] SurfaceShape shape() const noexcept { return shape_; }
   [[nodiscard]] const SurfaceInput& input() const noexcept { return in_; }
@@ -78,12 +70,15 @@ class ReferenceSurface {
   [[nodiscard]] Vec3 evaluate(std::int32_t t, const std::array<double, 3>& w) const noexcept;
   /// The unit normal there.
   [[nodiscard]] Vec3 normal_at(std::int32_t t, const std::array<double, 3>& w) const noexcept;
-  /// Area of triangle t as a curved patch, and volume between it and the flat triangle (positive on the side of its
-  /// normal); by sampling.
-  struct Measure {
+  /// What area and volume gain when triangle t becomes its curved patch, by sampling. The volume is that of the cone to
+  /// the first point of the surface, positive where its normal points away: to be added up over a closed surface.
+  struct Gain {
     double area = 0, volume = 0;
   };
-  [[nodiscard]] Measure measure(std::int32_t t) const noexcept;
+  [[nodiscard]] Gain gain(std::int32_t t) const noexcept;
+  /// Length of a feature edge along its curve, by sampling, and straight.
+  [[nodiscard]] double edge_length(std::int32_t e) const noexcept;
+  [[nodiscard]] double chord(std::int32_t e) const noexcept { return norm(curve(e).x1 - curve(e).x0); }
 
  private:
   /// A triangle with what its patch is made from. Side i is opposite corner i, from corner i+1 to corner i+2.
@@ -93,7 +88,8 @@ class ReferenceSurface {
     std::array<std::int32_t, 3> neighbour{-1, -1, -1};  ///< over each side; -1: a feature edge is between
     Vec3 facet_normal;
     std::int32_t piece = 0;
-    bool flat = true;
+    bool flat = true;      ///< the patch is in the plane of its corners
+    bool straight = true;  ///< so are its sides: all of it is the triangle
   };
   struct Curve {
     Vec3 x0, x1, d0, d1;

@@ -12,6 +12,7 @@ namespace skein {
 namespace {
 
 constexpr double kFlat = 1e-6;  ///< between unit normals of facets in one plane, tangents on one line
+constexpr double kNearest = 0.25, kTooNear = 0.05;  ///< of an edge: how far away points are that make its tangents
 constexpr int kLayers = 2, kLayersAtFeature = 4;  ///< of triangles round a fan, whose points make its normal
 constexpr std::size_t next(std::size_t i) noexcept { return i == 2 ? 0 : i + 1; }
 bool same_direction(Vec3 a, Vec3 b) noexcept { return norm(cross(a, b)) < kFlat && dot(a, b) > 0; }
@@ -129,7 +130,11 @@ void SurfaceBuilder::place_points() {
     p.facet_normal = normalized(cross(p.x[1] - p.x[0], p.x[2] - p.x[0]));
   }
   for (std::size_t e = s_.in_.edges.size(); e-- > 0;) {
-    for (const std::int32_t v : s_.in_.edges[e]) place(v) = on_edge(static_cast<std::int32_t>(e));
+    // A corner is on several edges, of which the one that matters is known from its neighbour.
+    for (const std::int32_t v : s_.in_.edges[e]) {
+      const bool corner = s_.in_.is_corner[static_cast<std::size_t>(v)] != 0;
+      place(v) = corner ? SurfacePlace::kUnknown : on_edge(static_cast<std::int32_t>(e));
+    }
   }
 }
 
@@ -230,23 +235,35 @@ void SurfaceBuilder::find_normals() {
   }
 }
 
-Vec3 SurfaceBuilder::tangent(std::size_t e, std::size_t end) const {
+std::int32_t SurfaceBuilder::point_along(std::size_t e, std::size_t end, double least) const {
   const auto& in = s_.in_;
-  const Vec3 from = x(in.edges[e][end]), to = x(in.edges[e][1 - end]);
+  std::int32_t at = in.edges[e][end];
+  const Vec3 from = x(at);
+  std::int32_t edge = static_cast<std::int32_t>(e), to = s_.curves_[e].next[end];
+  while (to >= 0 && to != static_cast<std::int32_t>(e) && norm(x(at) - from) < least) {
+    edge = to;
+    const auto& v = in.edges[static_cast<std::size_t>(edge)];
+    const std::size_t near = v[0] == at ? 0 : 1;
+    at = v[1 - near];
+    to = s_.curves_[static_cast<std::size_t>(edge)].next[1 - near];
+  }
+  return at;
+}
+
+Vec3 SurfaceBuilder::tangent(std::size_t e, std::size_t end) const {
+  const Vec3 from = x(s_.in_.edges[e][end]), to = x(s_.in_.edges[e][1 - end]);
+  const double length = norm(to - from);
   const auto circle = [&](Vec3 before, Vec3 at, Vec3 after) {  // of the circle through three points, at the middle one
     const Vec3 l = at - before, r = after - at;
     return normalized((1 / dot(l, l)) * l + (1 / dot(r, r)) * r);
   };
-  const auto& next_edges = s_.curves_[e].next;
-  const auto other_end = [&](std::int32_t edge, std::int32_t point) {
-    const auto& v = in.edges[static_cast<std::size_t>(edge)];
-    return x(v[0] == point ? v[1] : v[0]);
-  };
-  if (next_edges[end] >= 0) return circle(other_end(next_edges[end], in.edges[e][end]), from, to);
-  if (next_edges[1 - end] < 0) return normalized(to - from);
+  // Points much nearer than the edge is long would tell more of rounding than of the curve.
+  const Vec3 before = x(point_along(e, end, kNearest * length));
+  if (norm(before - from) >= kTooNear * length) return circle(before, from, to);
+  const Vec3 beyond = x(point_along(e, 1 - end, kNearest * length));
+  if (norm(beyond - to) < kTooNear * length) return normalized(to - from);
   // At a corner: the circle through the next two points.
-  const Vec3 at_to = circle(from, to, other_end(next_edges[1 - end], in.edges[e][1 - end]));
-  const Vec3 chord = normalized(to - from);
+  const Vec3 at_to = circle(from, to, beyond), chord = normalized(to - from);
   return 2 * dot(chord, at_to) * chord - at_to;
 }
 
@@ -289,7 +306,6 @@ void SurfaceBuilder::find_flat() {
 void SurfaceBuilder::find_sides() {
   for (std::int32_t t = 0; t < count(); ++t) {
     auto& p = patch(t);
-    if (p.flat) continue;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = next(i), k = next(j);
       const Vec3 d = p.x[k] - p.x[j];
@@ -299,6 +315,7 @@ void SurfaceBuilder::find_sides() {
         continue;
       }
       const auto& c = s_.curves_[static_cast<std::size_t>(e)];
+      p.straight = p.straight && c.straight;
       const bool along = s_.in_.edges[static_cast<std::size_t>(e)][0] == verts(t)[j];
       p.derivative[i] = along ? std::array{c.d0, c.d1} : std::array{-1.0 * c.d1, -1.0 * c.d0};
     }

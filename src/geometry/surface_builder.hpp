@@ -51,6 +51,8 @@ class SurfaceBuilder {
   [[nodiscard]] std::int32_t count() const noexcept { return static_cast<std::int32_t>(s_.in_.triangles.size()); }
   /// The feature edge between two points, -1: none.
   [[nodiscard]] std::int32_t feature(std::int32_t a, std::int32_t b) const;
+  /// The first point along the feature beyond the end of edge e that is as far away as `least`, or the last one.
+  [[nodiscard]] std::int32_t point_along(std::size_t e, std::size_t end, double least) const;
   /// Tangent of the feature curve at the end of edge e (0 or 1), pointing along the edge.
   [[nodiscard]] Vec3 tangent(std::size_t e, std::size_t end) const;
 

@@ -239,9 +239,12 @@ bool InterfaceRefiner::split(VertId a, VertId b) {
   faces_.for_each(a, b, [&](const Third& d) { ends_.push_back(d); });
   if (ends_.empty()) return true;
   const EdgeKind kind = kind_of(a, b);
-  const Vec3 x =
-      kind == EdgeKind::kInside ? shared_middle(m.coords[a], m.coords[b]) : part_.geometry->middle(m, a, b, kind);
+  // On the straight edge, so that both sides can make it whatever lies behind; later rounds move it onto the surface.
+  const Vec3 x = shared_middle(m.coords[a], m.coords[b]);
+  const SurfacePlace place =
+      kind == EdgeKind::kInside ? SurfacePlace::kUnknown : part_.geometry->middle(m, a, b, kind).place;
   const VertId p = new_vertex(part_, x, shared_middle(part_.mesh.log_metric[a], part_.mesh.log_metric[b]), {}, kFrozen);
+  if (!m.surface_place.empty()) m.surface_place[p] = place;
   gid_.resize(m.vert_slots(), kNoGlobal);
   gid_[p] = hashed_id(gid_[a], gid_[b]);
   generation_.resize(m.vert_slots(), 0);

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "geometry/facets.hpp"
+#include "geometry/patches.hpp"
 
 namespace skein {
 
@@ -19,6 +20,7 @@ struct Method {
   PointCreation points = PointCreation::kEdges;
   Smoothing smoothing = Smoothing::kQuality;
   FacetLimits facets;
+  PatchLimits patches;
 
   struct Lengths {
     double split_above = 1.4142135623;
@@ -60,6 +62,12 @@ struct Method {
     double shorter = 0.4;
     int tries_of_poor = 3;
   } smooth;
+
+  struct Snap {
+    double floor = 0.1;
+    double share = 0.3;
+    int sweeps = 3;
+  } snap;
 
   struct Strain {
     double floor = 0.4;

@@ -22,6 +22,9 @@ void for_each_number(M&& m, Visit&& visit) {
   visit("facets.swap_deviation", m.facets.swap_deviation, 0, 1, "how far a swap may leave old facets, of the edge");
   visit("facets.collapse_deviation", m.facets.collapse_deviation, 0, 1, "the same for a collapse");
 
+  visit("patches.max_turn", m.patches.max_turn, 0, 90, "the same where the surface is curved");
+  visit("patches.max_angle", m.patches.max_angle, 0, 90, "degrees between a facet's normal and the surface's");
+
   visit("insert.good_quality", m.insert.good_quality, 0, 1,
         "elements above this are always good enough at a new point");
   visit("insert.seed_share", m.insert.seed_share, 0, 1, "of the worst old Q^3: enough elsewhere");
@@ -47,6 +50,10 @@ void for_each_number(M&& m, Visit&& visit) {
   visit("smooth.sum_share", m.smooth.sum_share, 0, 1, "of the old sum of 1/Q^3: the new one must be less");
   visit("smooth.shorter", m.smooth.shorter, 0, 1, "factor of the next try");
   visit("smooth.tries_of_poor", m.smooth.tries_of_poor, 1, 20, "tries at poor elements");
+
+  visit("snap.floor", m.snap.floor, 0, 1, "quality that elements keep when a vertex comes onto the surface");
+  visit("snap.share", m.snap.share, 0, 1, "of the worst old Q^3: enough where that is below the floor");
+  visit("snap.sweeps", m.snap.sweeps, 1, 20, "sweeps over the vertices that are off the surface");
 
   visit("strain.floor", m.strain.floor, 0, 1, "no element below this gets worse for the sake of edges");
   visit("strain.longest_new", m.strain.longest_new, 1, 100, "edge that a collapse may leave");

@@ -42,4 +42,12 @@ struct SmoothBall {
   int tries = 1;  ///< the full step, then shorter ones; in a converged mesh these hardly ever help
 };
 
+/// The vertex must come onto the geometry, or nearer to it. Elements may become worse for it, down to a floor, and
+/// where they are below it already, by a factor.
+struct ToSurface {
+  double floor_q3;
+  double share;  ///< of the worst old Q^3
+  [[nodiscard]] double bound(double old_min) const noexcept { return std::min(floor_q3, share * old_min); }
+};
+
 }  // namespace skein

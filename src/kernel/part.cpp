@@ -131,6 +131,7 @@ VertId new_vertex(Part& p, Vec3 x, const SymTensor& log_m, VertClass vert_class,
   m.vert_state[v] = state | kActive;
   set_log_metric(m, v, l);
   if (!m.anchor.empty()) m.anchor[v] = {x, l};
+  if (!m.surface_place.empty()) m.surface_place[v] = SurfacePlace::kUnknown;
   return v;
 }
 

@@ -238,6 +238,29 @@ std::int64_t Passes::smooth_below(double quality) {
   return part_.counts.smooth - before;
 }
 
+bool Passes::is_off_surface(VertId v) const {
+  constexpr double kOff = 1e-6;  // metric length
+  const TetMesh& m = part_.mesh;
+  if (m.surface_place[v] == SurfacePlace::kUnknown || m.has(v, kStays)) return false;
+  const Vec3 off = part_.geometry->project(m, v, m.coords[v]).x - m.coords[v];
+  return quad(m.metric[v].m, off) > kOff * kOff;
+}
+
+std::int64_t Passes::snap_to_surface() {
+  const TetMesh& m = part_.mesh;
+  if (m.surface_place.empty() || !part_.options.may_change_surface()) return 0;
+  const Method::Snap& o = part_.options.method.snap;
+  to_move_.clear();
+  for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+    if (m.is_live(v) && m.has(v, kActive) && !m.has(v, kFrozen) && is_off_surface(v)) to_move_.push_back(v);
+  }
+  for (int sweep = 0; sweep < o.sweeps && !to_move_.empty(); ++sweep) {
+    for (const VertId v : to_move_) smooth_.move(v, ToSurface{cube(o.floor), o.share});
+    std::erase_if(to_move_, [&](VertId v) { return !is_off_surface(v); });
+  }
+  return std::ssize(to_move_);
+}
+
 bool Passes::improve_lengths_in(TetId t, const Method::LengthBounds& bounds) {
   part_.dirty[t] = static_cast<std::uint8_t>(part_.dirty[t] & ~kInsertPass);
   if ((part_.edges[t].may_be_long | part_.edges[t].may_be_short) == 0) return false;

@@ -26,6 +26,9 @@ class Passes {
   std::int64_t create_coarse_points();
   std::int64_t swap_below(double quality);
   std::int64_t smooth_below(double quality);
+  /// Moves the vertices of the boundary that are off the surface onto it, or as near as the elements allow; returns how
+  /// many are left.
+  std::int64_t snap_to_surface();
   /// Where improve_lengths begins.
   enum class Where {
     kChangedOrNew,  ///< what was there from the start or has changed
@@ -77,6 +80,8 @@ class Passes {
   /// Splits the longest of the edges above this length that can be.
   Outcome split_in(TetId t, double above, Places places);
   void create_point_in(TetId t, double above);
+  /// A vertex of the boundary that may move and is not on the surface.
+  [[nodiscard]] bool is_off_surface(VertId v) const;
   /// True if something was split or collapsed.
   bool improve_lengths_in(TetId t, const Method::LengthBounds& bounds);
   void centroid_in(TetId t, double above);

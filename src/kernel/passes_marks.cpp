@@ -100,8 +100,14 @@ void Passes::mark_retry() {
     const auto& tv = m.tet2vert[t];
     return std::any_of(tv.begin(), tv.end(), [&](VertId v) { return part_.vert_mark[v] == stamp; });
   };
+  // A vertex of the interface that is beside the surface comes onto it when it is free.
+  const bool may_be_off = !m.surface_place.empty() && part_.options.may_change_surface();
+  const auto is_off = [&](TetId t) {
+    const auto& tv = m.tet2vert[t];
+    return may_be_off && std::any_of(tv.begin(), tv.end(), [&](VertId v) { return is_off_surface(v); });
+  };
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
-    if (!m.is_live(t) || !is_confined(t) || !is_bad(t) || !part_.active(t)) continue;
+    if (!m.is_live(t) || !is_confined(t) || !part_.active(t) || !(is_bad(t) || is_off(t))) continue;
     for (const VertId v : m.tet2vert[t]) m.vert_state[v] |= kRetry;
   }
 }

@@ -45,6 +45,7 @@ Care main_passes(Passes& pass, Part& part) {
   for (int i = 0; i < o.main.most_turns; ++i) {
     pass.swap_below(care.swap_below);
     pass.smooth_below(i == 0 && all ? o.main.smooth_below_first : o.main.smooth_below);
+    pass.snap_to_surface();
     std::int64_t changed = pass.collapse_short(below, care.stretch * above);
     changed += pass.create_points();
     if (i + 1 >= least && is_settled(part, changed)) break;
@@ -119,6 +120,7 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   if (strained < o.adapted_before) pass.anchor();
   const bool settled = strained < o.settled_share && pass.share_below(m.retry.bad_quality) < o.settled_bad_share;
   const Care care = settled ? care_of_refined(m) : main_passes(pass, part);
+  pass.snap_to_surface();
   const auto is_bad = [&] { return !part.options.turning && pass.share_below(m.improve.bad_quality) > o.bad_share; };
   part.turning = settled || is_turning() || is_bad();
   if (part.turning) {
@@ -126,6 +128,11 @@ IdVector<VertId, VertId> adapt_part(Part& part) {
   } else {
     improve(pass, part, care);
     improve_bad(pass, part);
+  }
+  // What had no room before may have it between better elements; those that it makes worse get another turn.
+  if (pass.snap_to_surface() > 0) {
+    improve_bad(pass, part);
+    pass.snap_to_surface();
   }
   part.mesh.anchor = {};
   pass.count_poor(m.improve.worst_below);

@@ -14,6 +14,7 @@
 #include "base/ids.hpp"
 #include "base/tensor.hpp"
 #include "base/vec3.hpp"
+#include "mesh/surface_place.hpp"
 
 namespace skein {
 
@@ -78,11 +79,13 @@ struct VertColumns {
   IdVector<VertId, SymTensor> log_metric;  ///< logarithm of the wanted metric, as it is interpolated
   IdVector<VertId, VertMetric> metric;     ///< the metric as it measures; made from log_metric, see measure_metric()
   IdVector<VertId, Anchor> anchor;
+  IdVector<VertId, SurfacePlace> surface_place;  ///< of vertices on the boundary; empty without a reference surface
   VertFields fields;
 };
 inline constexpr std::tuple kVertColumns{
     &VertColumns::coords,     &VertColumns::vert_ref, &VertColumns::vert_class, &VertColumns::vert_state,
-    &VertColumns::log_metric, &VertColumns::metric,   &VertColumns::anchor,     &VertColumns::fields,
+    &VertColumns::log_metric, &VertColumns::metric,   &VertColumns::anchor,     &VertColumns::surface_place,
+    &VertColumns::fields,
 };
 inline constexpr std::size_t kVertColumnCount = std::tuple_size_v<decltype(kVertColumns)>;
 
@@ -119,6 +122,8 @@ template <class T>
 inline constexpr T kNewEntry{};
 template <>
 inline constexpr GlobalId kNewEntry<GlobalId> = kNoGlobal;
+template <>
+inline constexpr SurfacePlace kNewEntry<SurfacePlace> = SurfacePlace::kUnknown;
 
 template <class T>
 void take_width(IdVector<VertId, T>&, const IdVector<VertId, T>&) noexcept {}

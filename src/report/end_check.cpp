@@ -18,9 +18,12 @@ class Judge {
     ++report_.compared;
     if (!(before == after)) report_.faults.push_back(text());
   }
-  void near(double before, double after, double slack, bool curved, const std::string& what) {
+  /// `smooth`: what the old value may gain besides.
+  void near(double before, double after, double slack, bool curved, const std::string& what, double smooth = 0) {
     ++report_.compared;
-    const double scale = std::max(std::abs(before), std::abs(after)), apart = std::abs(before - after);
+    const double low = std::min(before, before + smooth), high = std::max(before, before + smooth);
+    const double scale = std::max(std::abs(before), std::abs(after));
+    const double apart = std::abs(after - (std::isnan(after) ? before : std::clamp(after, low, high)));
     const double relative = scale > 0 ? apart / scale : 0;
     double& largest = curved ? report_.largest_curved : report_.largest_exact;
     largest = std::max(largest, relative);
@@ -47,7 +50,8 @@ void Judge::near(const std::vector<Extent>& before, const std::vector<Extent>& a
     const bool old = i != before.end() && (j == after.end() || i->key <= j->key);
     const bool now = j != after.end() && (i == before.end() || j->key <= i->key);
     const std::int64_t key = old ? i->key : j->key;
-    near(old ? i->value : 0, now ? j->value : 0, slack, old && i->curved != 0, fmt::format("{} {}", what, key));
+    near(old ? i->value : 0, now ? j->value : 0, slack, old && i->curved != 0, fmt::format("{} {}", what, key),
+         old && i->curved != 0 ? i->smooth : 0);
     if (old) ++i;
     if (now) ++j;
   }

@@ -7,6 +7,7 @@
 
 #include "comm/comm.hpp"
 #include "dist/dist_mesh.hpp"
+#include "dist/reference.hpp"
 #include "report/json.hpp"
 
 namespace skein {
@@ -28,6 +29,7 @@ struct Extent {
   std::int64_t key = 0;  ///< reference; of a line: see line_key()
   double value = 0;
   double curved = 0;  ///< nonzero where a new facet or edge may leave what it replaces
+  double smooth = 0;  ///< what is added where the curved surface is followed instead of the facets (add_smooth)
 };
 constexpr std::int64_t line_key(const FeatureEdge& e) noexcept {
   return std::int64_t{e.ref} * 256 + static_cast<int>(e.edge_class);
@@ -57,6 +59,11 @@ struct Invariants {
 
 /// Collective. @pre dist is compact, and all shared vertices have a global id.
 Invariants invariants(const Comm& comm, const DistMesh& dist);
+
+/// What of areas, lengths and volumes changes when the facets follow the curved surface; to invariants of the mesh that
+/// the surface was made of. Not collective.
+void add_smooth(Invariants& before, const TetMesh& mesh, const BoundarySurface& boundary,
+                const ReferenceSurface& surface);
 
 struct EndCheckReport {
   std::int64_t compared = 0;

@@ -125,7 +125,7 @@ TEST(ReferenceSurface, NormalsOfQuadricsAreExact) {
       const Vec3 n = normalized({x.x, x.y, -std::hypot(x.x, x.y)});
       // At the border the points are all on one side, and many quadrics nearly fit.
       const bool border = x_on_border(on_cone, x);
-      EXPECT_LT(norm(cross(on_cone.normal(t, k), n)), border ? 1e-4 : 1e-6);
+      EXPECT_LT(norm(cross(on_cone.normal(t, k), n)), border ? 1e-4 : 1e-5);
     }
   }
   for (std::int32_t t = 0; t < std::ssize(on_sphere.input().triangles); ++t) {
@@ -182,7 +182,7 @@ TEST(ReferenceSurface, HasNoKinksOverItsSides) {
 
 TEST(ReferenceSurface, PointsOfItAreTheirOwnNearest) {
   const Torus torus;
-  const ReferenceSurface s(torus.surface(24, 12), SurfaceShape::kPatches);
+  const ReferenceSurface s(torus.surface(48, 24), SurfaceShape::kPatches);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> angle(0, 6.28), off(-0.02, 0.02);
   for (int i = 0; i < 500; ++i) {
@@ -190,12 +190,13 @@ TEST(ReferenceSurface, PointsOfItAreTheirOwnNearest) {
     const double r = 1 + small * std::cos(v);
     const Vec3 x{r * std::cos(u), r * std::sin(u), small * std::sin(v)};
     const SurfacePoint p = s.nearest(x, SurfacePlace::kUnknown);
-    EXPECT_LT(torus.distance(p.x), 2e-4);
-    EXPECT_LT(norm(x - p.x), std::abs(small - 0.4) * 1.001 + 2e-4);
+    EXPECT_LT(torus.distance(p.x), 3e-4);
+    EXPECT_LT(norm(x - p.x), std::abs(small - 0.4) * 1.001 + 3e-4);
     const SurfacePoint again = s.nearest(p.x, p.place);
     EXPECT_LT(norm(again.x - p.x), 1e-9);
-    const SurfacePoint walked = s.nearest(x, s.place_of_point(i % 288));
-    EXPECT_LT(norm(walked.x - p.x), 1e-6);
+    const std::int32_t beside = s.input().triangles[static_cast<std::size_t>(triangle_of(p.place))][0];
+    const SurfacePoint walked = s.nearest(x, s.place_of_point(beside));
+    EXPECT_LT(norm(walked.x - p.x), 1e-9);
   }
 }
 

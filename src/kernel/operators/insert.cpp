@@ -310,9 +310,9 @@ bool Inserter::gather_other_fans(TetId t, VertId a, VertId b) {
   return true;
 }
 
-Vec3 Inserter::place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const {
+BoundaryPoint Inserter::place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const {
   const Part& part = *part_;
-  if (kind == EdgeKind::kInside) return part.x(a) + s * (part.x(b) - part.x(a));
+  if (kind == EdgeKind::kInside) return {part.x(a) + s * (part.x(b) - part.x(a))};
   return part.geometry->between(part.mesh, a, b, s, kind);
 }
 
@@ -344,21 +344,33 @@ InsertResult Inserter::on_edge(TetId t, VertId a, VertId b, double s) {
   const FeatureEdge* feature = *kind == EdgeKind::kRidge ? part.mesh.feature(a, b) : nullptr;
   if (feature != nullptr && feature->has(kContactEdge) && !gather_other_fans(t, a, b)) return InsertResult::kRefused;
   on_edge_ = true;
+  BoundaryPoint at = place_on_edge(a, b, s, *kind);
+  const InsertResult result = insert_on_edge(at, a, b, s, *kind);
+  if (result != InsertResult::kRefused || *kind == EdgeKind::kInside) return result;
+  // The surface may be where no element can follow yet. From the straight edge it is reached in steps.
+  const Vec3 straight = part.x(a) + s * (part.x(b) - part.x(a));
+  if (at.x == straight) return result;
+  at.x = straight;
+  return insert_on_edge(at, a, b, s, *kind);
+}
+
+InsertResult Inserter::insert_on_edge(const BoundaryPoint& at, VertId a, VertId b, double s, EdgeKind kind) {
+  Part& part = *part_;
   cavity_->clear();
   for (int i = 0; i < shell_.n; ++i) cavity_->add(shell_.tet[i]);
   for (const Shell& fan : other_fans_) {
     for (int i = 0; i < fan.n; ++i) cavity_->add(fan.tet[i]);
   }
   const std::size_t seeds = cavity_->old_tets().size();
-  const Vec3 x = place_on_edge(a, b, s, *kind);
   const SymTensor log_m = (1 - s) * part.mesh.log_metric[a] + s * part.mesh.log_metric[b];
-  const VertId p = new_vertex(part, x, log_m, class_on(*kind));
+  const VertId p = new_vertex(part, at.x, log_m, class_on(kind));
   const InsertResult result = insert(p, seeds, part.closest_new);
   if (result != InsertResult::kDone) {
     drop_vertex(part, p);
     return result;
   }
-  if (*kind != EdgeKind::kInside) split_boundary(p);
+  if (!part.mesh.surface_place.empty()) part.mesh.surface_place[p] = at.place;
+  if (kind != EdgeKind::kInside) split_boundary(p);
   commit(p);
   ++part.counts.insert;
   return result;

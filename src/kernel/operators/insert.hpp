@@ -39,7 +39,9 @@ class Inserter {
   [[nodiscard]] bool must_stay(const Shell& shell) const noexcept;
   /// Where bodies touch along the edge: the shells of the edge in the others; false if one is too large.
   bool gather_other_fans(TetId t, VertId a, VertId b);
-  [[nodiscard]] Vec3 place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const;
+  [[nodiscard]] BoundaryPoint place_on_edge(VertId a, VertId b, double s, EdgeKind kind) const;
+  /// Inserts a point of the edge (a, b), whose shells are gathered, at this place.
+  InsertResult insert_on_edge(const BoundaryPoint& at, VertId a, VertId b, double s, EdgeKind kind);
   /// The facets of the shells and the feature edge become two each, with p between.
   void split_boundary(VertId p);
   void split_facets(const Shell& shell, VertId p);

@@ -80,7 +80,10 @@ bool Smoother::find_place(VertId v, Vec3 step, Place& place) {
   const Part& p = *part_;
   if (!interpolate(v, step, place.log_m)) return false;
   place.x = p.x(v) + step;
-  if (p.mesh.has(v, kSurface | kRidge)) place.x = p.geometry->project(p.mesh, v, place.x);
+  if (p.mesh.has(v, kSurface | kRidge)) {
+    const BoundaryPoint on = p.geometry->project(p.mesh, v, place.x);
+    place.x = on.x, place.on = on.place;
+  }
   place.m = vert_metric_from_log(place.log_m);
   return true;
 }
@@ -89,6 +92,7 @@ void Smoother::put(VertId v, const Place& place) {
   part_->mesh.coords[v] = place.x;
   part_->mesh.metric[v] = place.m;
   part_->mesh.log_metric[v] = place.log_m;
+  if (!part_->mesh.surface_place.empty()) part_->mesh.surface_place[v] = place.on;
   mark_changed(v);
   ++part_->counts.smooth;
 }
@@ -98,6 +102,8 @@ bool Smoother::move(VertId v, const Objective& objective) {
   Ball ball;
   Place best;
   if (!gather(v, ball) || !search(v, ball, objective, best)) return false;
+  const TetMesh& m = part_->mesh;
+  if (m.has(v, kSurface) && !part_->geometry->allows_move(m, v, best.x, facets_)) return false;
   put(v, best);
   return true;
 }
@@ -105,6 +111,7 @@ template bool Smoother::move(VertId, const SmoothBall&);
 template bool Smoother::move(VertId, const RaiseWorst&);
 template bool Smoother::move(VertId, const LowerSum&);
 template bool Smoother::move(VertId, const LowerStrain&);
+template bool Smoother::move(VertId, const ToSurface&);
 
 bool Smoother::search(VertId v, const Ball& ball, const SmoothBall& objective, Place& best) {
   const Part& p = *part_;
@@ -124,6 +131,20 @@ bool Smoother::search(VertId v, const Ball& ball, const SmoothBall& objective, P
       if (low > 0 && low >= bound && cone_.sum_of_inverses() < o.sum_share * ball.sum) return true;
     }
     step = o.shorter * step;
+  }
+  return false;
+}
+
+bool Smoother::search(VertId v, const Ball& ball, const ToSurface& objective, Place& best) {
+  const Part& p = *part_;
+  const BoundaryPoint on = p.geometry->project(p.mesh, v, p.x(v));
+  const Vec3 way = on.x - p.x(v);
+  const double bound = objective.bound(ball.low);
+  for (double share = 1; share > 0.1; share *= 0.5) {
+    if (!interpolate(v, share * way, best.log_m)) continue;
+    best = {share == 1 ? on.x : p.x(v) + share * way, best.log_m, vert_metric_from_log(best.log_m), on.place};
+    const double low = judge(best, bound);
+    if (low > 0 && low >= bound) return true;
   }
   return false;
 }

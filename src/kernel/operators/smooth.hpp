@@ -23,6 +23,7 @@ class Smoother {
   ///   element, and the model of the Newton step, whose metric is constant, points elsewhere;
   /// - LowerSum: along the axes of the metric and to the minimum of parabolas through what is found there: the same for
   ///   the sum of Q^-6;
+  /// - ToSurface: onto the geometry, or as far on the way as the elements allow;
   /// - LowerStrain: Gauss-Newton on the logarithms of the lengths of its edges, led by those farthest from 1.
   template <class Objective>
   bool move(VertId v, const Objective& objective);
@@ -45,6 +46,7 @@ class Smoother {
     Vec3 x;
     SymTensor log_m;
     VertMetric m;
+    SurfacePlace on = SurfacePlace::kUnknown;  ///< of a vertex of the boundary
   };
   /// Ball and cone of v; false if it may not move.
   bool gather(VertId v, Ball& ball);
@@ -61,6 +63,7 @@ class Smoother {
   bool search(VertId v, const Ball& ball, const RaiseWorst& objective, Place& best);
   bool search(VertId v, const Ball& ball, const LowerSum& objective, Place& best);
   bool search(VertId v, const Ball& ball, const LowerStrain& objective, Place& best);
+  bool search(VertId v, const Ball& ball, const ToSurface& objective, Place& best);
 
   /// The place at x(v) + step, on the geometry; false beyond the ball.
   [[nodiscard]] bool find_place(VertId v, Vec3 step, Place& place);
@@ -88,7 +91,7 @@ class Smoother {
   std::vector<FaceId> ball_;                   ///< the faces opposite the vertex at hand
   std::vector<TetId> tets_;                    ///< scratch
   std::vector<VertId> link_;                   ///< scratch: the neighbours of a vertex
-  std::vector<std::array<VertId, 3>> facets_;  ///< scratch: at the vertex at hand
+  std::vector<std::array<VertId, 3>> facets_;  ///< of the vertex at hand, if it is on the boundary
   BoundaryStar star_;
   std::vector<std::int32_t> first_;  ///< of balls_, per vertex and one more; empty without an index
   std::vector<FaceId> balls_;

@@ -34,11 +34,8 @@ bool Smoother::note_facets(VertId v, FaceId at) {
     if (tag == 0 || f == face_side(at)) continue;
     if ((tag & kRequiredFace) != 0) return false;
     const auto k = m.verts(make_face(t, f));
-    if (!m.has(v, kRidge)) {
-      facets_.push_back(k);
-    } else if (!note_ridge_ends(v, k)) {
-      return false;
-    }
+    facets_.push_back(k);
+    if (m.has(v, kRidge) && !note_ridge_ends(v, k)) return false;
   }
   return true;
 }
