@@ -92,10 +92,22 @@ DistMesh distribute_input(const Comm& comm, AdaptationInput&& from, const Adapta
   return dist;
 }
 
-/// Collective. Makes the reference surface of the boundary, and adapts.
-void adapt_on_surface(const Comm& comm, DistMesh& dist, const AdaptationOptions& options, PhaseLog& log,
+void note_surface(PhaseLog& log, const SurfaceReport& report) {
+  const PatchDeviation all = report.total();
+  log.note(fmt::format("surface: off by at most {:.3g} and {:.3g} on average, near ({:.6g}, {:.6g}, {:.6g})", all.largest,
+                       all.mean(), report.worst.x, report.worst.y, report.worst.z));
+  if (all.vertices_off == 0) return;
+  log.note(fmt::format("note: {} vertices of the boundary could not be moved onto the surface; the farthest is off by {:.3g}",
+                       grouped(static_cast<std::int64_t>(all.vertices_off)), all.largest_vertex));
+}
+
+/// Collective. Makes the reference surface of the boundary, adapts, and tells how far the new boundary is off.
+std::optional<SurfaceReport> adapt_on_surface(const Comm& comm, DistMesh& dist, const AdaptationOptions& options, PhaseLog& log,
                       Invariants& before) {
-  if (!options.adapt.surface) return adapt(comm, dist, options.adapt, log);
+  if (!options.adapt.surface) {
+    adapt(comm, dist, options.adapt, log);
+    return {};
+  }
   log.start("surface");
   std::optional<ReferenceSurface> reference;
   const BoundarySurface boundary = gather_boundary(comm, dist, options.deviation);
@@ -109,7 +121,12 @@ void adapt_on_surface(const Comm& comm, DistMesh& dist, const AdaptationOptions&
   AdaptOptions adapt_options = options.adapt;
   adapt_options.reference = &*reference;
   adapt(comm, dist, adapt_options, log);
+  log.start("surface report");
+  SurfaceReport report = surface_report(comm, dist, *reference);
   dist.mesh.surface_place = {};
+  log.finish(local_tets(dist));
+  note_surface(log, report);
+  return report;
 }
 
 }  // namespace
@@ -134,7 +151,7 @@ EndCheckReport end_check(const Comm& comm, const Invariants& before, DistMesh& d
 }
 
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
-                        const std::function<void(const std::string&)>& step_done, EndCheckReport* checked) {
+                        const std::function<void(const std::string&)>& step_done, AdaptationFindings* found) {
   const auto done = [&](const char* step) {
     if (step_done) step_done(step);
   };
@@ -154,12 +171,13 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
   note_gradation(log, graded, dist.global_verts);
   done("distribute");
 
-  adapt_on_surface(comm, dist, options, log, before);
+  AdaptationFindings findings;
+  findings.surface = adapt_on_surface(comm, dist, options, log, before);
   done("adapt");
   log.start("end check");
-  EndCheckReport report = end_check(comm, before, dist, options);
+  findings.end_check = end_check(comm, before, dist, options);
   log.finish(local_tets(dist));
-  if (checked != nullptr) *checked = std::move(report);
+  if (found != nullptr) *found = std::move(findings);
   done("end check");
   if (!carrier.has_any()) return dist;
   carrier.arrive(dist, options.adapt.threads, log);

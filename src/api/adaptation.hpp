@@ -1,6 +1,7 @@
 // The whole way from slices to the adapted mesh: what the program and the library have in common.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "adapt/adapt.hpp"
@@ -11,6 +12,7 @@
 #include "dist/reference.hpp"
 #include "mesh/mesh_slice.hpp"
 #include "report/invariants.hpp"
+#include "report/surface_report.hpp"
 #include "solution/metric_policy.hpp"
 
 namespace skein {
@@ -33,6 +35,12 @@ struct AdaptationOptions {
   std::function<void(DistMesh&&)> suspect;
 };
 
+/// What a run tells besides its mesh.
+struct AdaptationFindings {
+  EndCheckReport end_check;
+  std::optional<SurfaceReport> surface;  ///< none where the boundary was to stay as it is
+};
+
 /// Collective. Compares the result with what `before` tells of the input. Throws Error(kInternal) on all ranks where
 /// they differ by more than the limits, after options.suspect has had the mesh.
 EndCheckReport end_check(const Comm& comm, const Invariants& before, DistMesh& dist, const AdaptationOptions& options);
@@ -46,10 +54,10 @@ FieldSlice side_by_side(FieldSlice a, const FieldSlice& b);
 /// Collective. Distributes, makes the metric, adapts and carries the fields over; each is a phase of the log, and what
 /// was found on the way a note. The input is freed as early as can be. The result has the logarithm of the metric in
 /// its column log_metric, and the carried numbers in `fields`. `step_done` is told the name of each part of the way
-/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried). What the end check has
-/// compared comes into `checked`.
+/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried). What the checks at the end have
+/// found comes into `found`.
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
                         const std::function<void(const std::string&)>& step_done = {},
-                        EndCheckReport* checked = nullptr);
+                        AdaptationFindings* found = nullptr);
 
 }  // namespace skein

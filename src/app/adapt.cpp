@@ -138,10 +138,11 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   AdaptationInput input = read_input(comm, o, record, fields);
   AdaptationOptions options = to_adaptation(o);
   options.suspect = [&](DistMesh&& dist) { write_suspect(comm, o.run.output, std::move(dist)); };
-  EndCheckReport checked;
+  AdaptationFindings found;
   DistMesh dist = run_adaptation(
-      comm, std::move(input), options, record.log, [&](const std::string& step) { record.lap(step); }, &checked);
-  record.end_check = skein::to_json(checked);
+      comm, std::move(input), options, record.log, [&](const std::string& step) { record.lap(step); }, &found);
+  record.end_check = skein::to_json(found.end_check);
+  if (found.surface) record.surface = skein::to_json(*found.surface);
   record.finish(comm, std::move(dist), fields);
   return ExitCode::kOk;
 }

@@ -127,6 +127,7 @@ Json RunRecord::to_json(const Comm& comm, const DistMesh& dist, const Json& stat
               {"peak_bytes", comm.all_gather(peak_memory())},
               {"phases", phases}};
   if (!end_check.is_null()) report["end_check"] = end_check;
+  if (!surface.is_null()) report["surface"] = surface;
   for (const char* key : {"complexity", "tets_per_complexity", "edges", "length", "quality", "dihedral", "volume"}) {
     report[key] = statistics.at(key);
   }

@@ -48,6 +48,7 @@ class RunRecord {
   std::string input;
   Json options = Json::object();  ///< as given on the command line
   std::int64_t elements_in = 0, vertices_in = 0;
+  Json surface;    ///< null: it was to stay as it is
   Json end_check;  ///< null: there was no mesh to compare with
 
   /// Seconds since the last lap (or the beginning) belong to `name`. Not collective.

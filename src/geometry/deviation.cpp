@@ -9,7 +9,7 @@ namespace skein {
 Deviation deviation(const ReferenceSurface& surface, Vec3 a, Vec3 b, Vec3 c, SurfacePlace near) {
   Deviation out;
   const auto off = [&](Vec3 x, SurfacePlace from) {
-    const SurfacePoint p = surface.nearest(x, from);
+    const SurfacePoint p = surface.below(x, from);
     const Vec3 d = x - p.x;
     out.distance = std::max(out.distance,
                             surface.shape() == SurfaceShape::kFacets ? norm(d) : std::abs(dot(d, p.direction)));

@@ -57,6 +57,8 @@ BoundaryPoint FacetGeometry::middle(const TetMesh& m, VertId a, VertId b, EdgeKi
 
 BoundaryPoint FacetGeometry::project(const TetMesh&, VertId, Vec3 x) const { return {x}; }
 
+double FacetGeometry::distance(const TetMesh&, VertId) const { return 0; }
+
 bool FacetGeometry::allows_move(const TetMesh&, VertId, Vec3, std::span<const std::array<VertId, 3>>) const {
   return true;  // in a plane or along a line
 }

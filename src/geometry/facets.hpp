@@ -22,6 +22,7 @@ class FacetGeometry final : public Geometry {
   [[nodiscard]] BoundaryPoint between(const TetMesh& mesh, VertId a, VertId b, double s, EdgeKind kind) const override;
   [[nodiscard]] BoundaryPoint middle(const TetMesh& mesh, VertId a, VertId b, EdgeKind kind) const override;
   [[nodiscard]] BoundaryPoint project(const TetMesh& mesh, VertId v, Vec3 x) const override;
+  [[nodiscard]] double distance(const TetMesh& mesh, VertId v) const override;
   [[nodiscard]] std::optional<Freedom> freedom(const TetMesh& mesh, VertId v, const BoundaryStar& star) const override;
   [[nodiscard]] bool allows_collapse(const TetMesh& mesh, VertId v, VertId u,
                                      std::span<const Facet> facets) const override;

@@ -62,6 +62,8 @@ class Geometry {
   [[nodiscard]] virtual BoundaryPoint middle(const TetMesh& mesh, VertId a, VertId b, EdgeKind kind) const = 0;
   /// The place on the geometry for vertex v of the boundary when it is to go to x.
   [[nodiscard]] virtual BoundaryPoint project(const TetMesh& mesh, VertId v, Vec3 x) const = 0;
+  /// How far vertex v of the boundary is off the geometry.
+  [[nodiscard]] virtual double distance(const TetMesh& mesh, VertId v) const = 0;
   /// Where a vertex of the boundary may move; nothing: it must stay. @pre v is no corner, not required, not frozen.
   [[nodiscard]] virtual std::optional<Freedom> freedom(const TetMesh& mesh, VertId v,
                                                        const BoundaryStar& star) const = 0;

@@ -48,7 +48,7 @@ BoundaryPoint PatchGeometry::lift(const TetMesh& m, VertId a, VertId b, Vec3 x, 
     p = reference_->nearest_on_edges(x, is_edge(second) ? second : first);
     if (p.flat) return on_straight(x, p, size);
   } else {
-    p = reference_->nearest(x, is_triangle(first) ? first : second);
+    p = reference_->near(x, is_triangle(first) ? first : second);
     if (p.flat) return on_flat(x, p, size);
   }
   if (norm(p.x - x) > kFarthest * size) return {x};
@@ -71,8 +71,14 @@ BoundaryPoint PatchGeometry::project(const TetMesh& m, VertId v, Vec3 x) const {
     return p.flat ? on_straight(x, p, size) : BoundaryPoint{p.x, p.place};
   }
   if (!is_triangle(at)) return {x};
-  const SurfacePoint p = reference_->nearest(x, at);
+  const SurfacePoint p = reference_->near(x, at);
   return p.flat ? on_flat(x, p, size) : BoundaryPoint{p.x, p.place};
+}
+
+double PatchGeometry::distance(const TetMesh& m, VertId v) const {
+  const SurfacePlace at = m.surface_place[v];
+  const Vec3 x = m.coords[v];
+  return at == SurfacePlace::kUnknown ? 0 : reference_->distance(x, at);
 }
 
 std::optional<Freedom> PatchGeometry::freedom(const TetMesh& m, VertId v, const BoundaryStar& star) const {
@@ -84,7 +90,7 @@ std::optional<Freedom> PatchGeometry::freedom(const TetMesh& m, VertId v, const 
     return Freedom{1, p.direction, {}};
   }
   if (!is_triangle(at)) return flat_.freedom(m, v, star);
-  const SurfacePoint p = reference_->nearest(m.coords[v], at);
+  const SurfacePoint p = reference_->below(m.coords[v], at);
   if (p.flat) return flat_.freedom(m, v, star);
   const Vec3 axis = std::abs(p.direction.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   Freedom free{2, normalized(cross(p.direction, axis)), {}};

@@ -113,7 +113,7 @@ std::int32_t ReferenceSurface::search(Vec3 x, SurfacePlace from) const noexcept 
   });
 }
 
-SurfacePoint ReferenceSurface::settle(Vec3 x, std::int32_t t, Weights w) const noexcept {
+SurfacePoint ReferenceSurface::settle(Vec3 x, std::int32_t t, Weights w, double settled) const noexcept {
   SurfacePoint out;
   int hops = 0;
   for (int step = 0; step < kMostSteps; ++step) {
@@ -130,7 +130,7 @@ SurfacePoint ReferenceSurface::settle(Vec3 x, std::int32_t t, Weights w) const n
       to[i] = w[i] + change[i] - zero[i];
       moved = std::max(moved, std::abs(change[i] - zero[i]));
     }
-    if (moved < kSettled) return out;
+    if (moved < settled) return out;
     const std::size_t side = lowest(to);
     if (to[side] < -1e-9 && p.neighbour[side] >= 0 && hops < 3) {
       t = p.neighbour[side];
@@ -146,7 +146,7 @@ SurfacePoint ReferenceSurface::settle(Vec3 x, std::int32_t t, Weights w) const n
   return out;
 }
 
-SurfacePoint ReferenceSurface::nearest(Vec3 x, SurfacePlace from) const {
+SurfacePoint ReferenceSurface::find(Vec3 x, SurfacePlace from, double settled) const {
   Weights w{};
   if (is_edge(from)) from = SurfacePlace::kUnknown;
   std::int32_t t = triangle_of(from);
@@ -156,7 +156,14 @@ SurfacePoint ReferenceSurface::nearest(Vec3 x, SurfacePlace from) const {
     const auto& p = tri(t).x;
     w = nearest_on_triangle(x, p[0], p[1], p[2]).weight;
   }
-  return settle(x, t, w);
+  return settle(x, t, w, settled);
+}
+
+double ReferenceSurface::distance(Vec3 x, SurfacePlace from) const {
+  if (is_edge(from)) return norm(x - nearest_on_edges(x, from).x);
+  const SurfacePoint p = nearest(x, from);
+  const Vec3 off = x - p.x;
+  return p.flat && shape_ == SurfaceShape::kPatches ? std::abs(dot(off, p.direction)) : norm(off);
 }
 
 SurfacePoint ReferenceSurface::nearest_on_edges(Vec3 x, SurfacePlace from) const {

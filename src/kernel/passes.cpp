@@ -242,8 +242,9 @@ bool Passes::is_off_surface(VertId v) const {
   constexpr double kOff = 1e-6;  // metric length
   const TetMesh& m = part_.mesh;
   if (m.surface_place[v] == SurfacePlace::kUnknown || m.has(v, kStays)) return false;
-  const Vec3 off = part_.geometry->project(m, v, m.coords[v]).x - m.coords[v];
-  return quad(m.metric[v].m, off) > kOff * kOff;
+  const double off = part_.geometry->distance(m, v);
+  const SymTensor& metric = m.metric[v].m;
+  return off > 0 && off * off * (metric.xx + metric.yy + metric.zz) > kOff * kOff;
 }
 
 std::int64_t Passes::snap_to_surface() {
