@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "api/on_surface.hpp"
 #include "api/values.hpp"
 #include "base/text.hpp"
 #include "solution/demand.hpp"
@@ -92,43 +93,6 @@ DistMesh distribute_input(const Comm& comm, AdaptationInput&& from, const Adapta
   return dist;
 }
 
-void note_surface(PhaseLog& log, const SurfaceReport& report) {
-  const PatchDeviation all = report.total();
-  log.note(fmt::format("surface: off by at most {:.3g} and {:.3g} on average, near ({:.6g}, {:.6g}, {:.6g})", all.largest,
-                       all.mean(), report.worst.x, report.worst.y, report.worst.z));
-  if (all.vertices_off == 0) return;
-  log.note(fmt::format("note: {} vertices of the boundary could not be moved onto the surface; the farthest is off by {:.3g}",
-                       grouped(static_cast<std::int64_t>(all.vertices_off)), all.largest_vertex));
-}
-
-/// Collective. Makes the reference surface of the boundary, adapts, and tells how far the new boundary is off.
-std::optional<SurfaceReport> adapt_on_surface(const Comm& comm, DistMesh& dist, const AdaptationOptions& options, PhaseLog& log,
-                      Invariants& before) {
-  if (!options.adapt.surface) {
-    adapt(comm, dist, options.adapt, log);
-    return {};
-  }
-  log.start("surface");
-  std::optional<ReferenceSurface> reference;
-  const BoundarySurface boundary = gather_boundary(comm, dist, options.deviation);
-  agree(comm, [&] {
-    reference.emplace(boundary.input, options.geometry);
-    reference->limit_deviation(options.deviation.share, boundary.most);
-    place_on_own_surface(dist, boundary, *reference);
-    add_smooth(before, dist.mesh, boundary, *reference);
-  });
-  log.finish(local_tets(dist));
-  AdaptOptions adapt_options = options.adapt;
-  adapt_options.reference = &*reference;
-  adapt(comm, dist, adapt_options, log);
-  log.start("surface report");
-  SurfaceReport report = surface_report(comm, dist, *reference);
-  dist.mesh.surface_place = {};
-  log.finish(local_tets(dist));
-  note_surface(log, report);
-  return report;
-}
-
 }  // namespace
 
 double usual_gradation(MetricSource source) noexcept { return source == MetricSource::kSizes ? kSizeGradation : 0; }
@@ -156,6 +120,7 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
     if (step_done) step_done(step);
   };
   const int width = input.carried;
+  const MeshSlice of_geometry = std::move(input.geometry);
   DistMesh dist = distribute_input(comm, std::move(input), options, log);
 
   log.start("invariants");
@@ -172,7 +137,7 @@ DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const Adaptatio
   done("distribute");
 
   AdaptationFindings findings;
-  findings.surface = adapt_on_surface(comm, dist, options, log, before);
+  findings.surface = adapt_on_surface(comm, dist, of_geometry, options, log, before);
   done("adapt");
   log.start("end check");
   findings.end_check = end_check(comm, before, dist, options);

@@ -20,8 +20,9 @@ namespace skein {
 /// What is adapted, in slices.
 struct AdaptationInput {
   MeshSlice mesh;
-  FieldSlice values;  ///< at its vertices: what metric_values() gave, then the numbers to be carried to the new mesh
-  int carried = 0;    ///< how many of the numbers at a vertex are carried
+  FieldSlice values;     ///< at its vertices: what metric_values() gave, then the numbers to be carried to the new mesh
+  int carried = 0;       ///< how many of the numbers at a vertex are carried
+  MeshSlice geometry{};  ///< a mesh whose boundary the geometry is; without vertices: that of `mesh`
 };
 
 struct AdaptationOptions {

@@ -34,7 +34,7 @@ struct Options {
   bool dump_config = false;
   double ridge_angle = DistributeOptions{}.ridge_angle;
   bool no_surface = false;
-  std::string geometry = "patches";
+  std::string geometry = "patches", geometry_mesh;
   std::optional<double> deviation;
 };
 
@@ -54,6 +54,7 @@ void require_sense(const Comm& comm, const Options& o) {
   });
   require_input(comm, o.input, kMeshInputs);
   require_input(comm, o.metric.path(), kFields);
+  if (!o.geometry_mesh.empty()) require_input(comm, o.geometry_mesh, kMeshInputs);
   require_fields(comm, o.fields, o.run.output);
   require_outputs(comm, o.run);
 }
@@ -80,6 +81,7 @@ Json to_json(const Options& o) {
   j["smoothing"] = o.adapt.method.smoothing == Smoothing::kSprings ? "springs" : "quality";
   j["ridge_angle"] = o.ridge_angle, j["surface"] = !o.no_surface;
   j["geometry"] = o.geometry;
+  if (!o.geometry_mesh.empty()) j["geometry_mesh"] = o.geometry_mesh;
   if (o.deviation) j["deviation"] = *o.deviation;
   return j;
 }
@@ -89,6 +91,7 @@ AdaptationInput read_input(const Comm& comm, const Options& o, RunRecord& record
   record.log.start("read");
   AdaptationInput input;
   input.mesh = read_mesh(comm, o.input);
+  if (!o.geometry_mesh.empty()) input.geometry = read_mesh(comm, o.geometry_mesh);
   input.values = read_metric(comm, input.mesh, o.metric);
   const int metric_width = input.values.width;
   fields = read_fields_behind(comm, input.mesh, o.fields, input.values);
@@ -154,6 +157,9 @@ void add_surface_options(CLI::App& verb, Options& o) {
   verb.add_flag("--no-surface", o.no_surface, "keep the boundary triangles as they are");
   verb.add_option("--geometry", o.geometry, "how the boundary runs between the vertices of IN: curved or flat")
       ->check(CLI::IsMember({"patches", "facets"}));
+  verb.add_option(
+      "--geometry-mesh", o.geometry_mesh,
+      "mesh whose boundary is the geometry, with the same references: the first one, where passes are chained");
   verb.add_option("--deviation", o.deviation,
                   "how far the boundary may be off that of IN, relative to the bounding box of each smooth piece; "
                   "0.001, and less where bodies are thin")

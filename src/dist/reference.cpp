@@ -1,11 +1,15 @@
 // Gathering the boundary.
 #include "dist/reference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <span>
 #include <tuple>
 
+#include "base/error.hpp"
+#include "comm/halo.hpp"
 #include "dist/gather_slices.hpp"
 
 namespace skein {
@@ -81,8 +85,10 @@ std::vector<SentTriangle> triangles_here(const Comm& comm, const DistMesh& dist,
   for (const FaceId f : faces_to_write(comm, dist)) {
     const auto v = m.verts(f);
     const std::int32_t ref = m.tet_ref[face_tet(f)];
-    SentTriangle s{rotated({dist.vert2gid[v[0]], dist.vert2gid[v[1]], dist.vert2gid[v[2]]}), tag_patch(m.tag(f)),
-                   {ref, 0, 0}, allowed(ref)};
+    SentTriangle s{rotated({dist.vert2gid[v[0]], dist.vert2gid[v[1]], dist.vert2gid[v[2]]}),
+                   tag_patch(m.tag(f)),
+                   {ref, 0, 0},
+                   allowed(ref)};
     if (const FaceId other = m.neighbour(f); other != kNoFace) {
       s.sides.before = m.tet_ref[face_tet(other)];
       s.sides.has_before = 1;
@@ -156,6 +162,42 @@ void place_on_own_surface(DistMesh& dist, const BoundarySurface& boundary, const
     const std::int32_t at = index_of(boundary.points, dist.vert2gid[v]);
     if (at >= 0) m.surface_place[v] = surface.place_of_point(at);
   }
+}
+
+void place_on_other_surface(const Comm& comm, DistMesh& dist, const ReferenceSurface& surface,
+                            const std::vector<std::int32_t>& patch_ref) {
+  TetMesh& m = dist.mesh;
+  std::vector<std::int64_t> patch(m.vert_slots(), -1);  // of the surface, at a vertex
+  agree(comm, [&] {
+    std::vector<std::int64_t> same;  // patch here -> patch there
+    for (const std::int32_t ref : m.patch_ref) {
+      const auto at = std::find(patch_ref.begin(), patch_ref.end(), ref);
+      same.push_back(at == patch_ref.end() ? -1 : at - patch_ref.begin());
+    }
+    for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (m.face_tag[t][k] == 0) continue;
+        const auto at = static_cast<std::size_t>(tag_patch(m.face_tag[t][k]));
+        if (same[at] < 0) {
+          throw Error(ExitCode::kInput,
+                      fmt::format("the geometry mesh has no triangles of reference {}, which the mesh "
+                                  "has; both need the same patches",
+                                  m.patch_ref[at]));
+        }
+        for (const VertId v : m.verts(make_face(t, k))) patch[idx(v)] = std::max(patch[idx(v)], same[at]);
+      }
+    }
+  });
+  Halo(comm, dist.sharing).max(std::span<std::int64_t>(patch));
+  agree(comm, [&] {
+    m.surface_place.raw().assign(m.vert_slots(), SurfacePlace::kUnknown);
+    for (const VertId v : IdRange<VertId>(m.vert_slots())) {
+      if (patch[idx(v)] < 0 || m.has(v, kCorner)) continue;
+      m.surface_place[v] = m.has(v, kRidge)
+                               ? surface.nearest_on_edges(m.coords[v], SurfacePlace::kUnknown).place
+                               : surface.nearest_of_patch(m.coords[v], static_cast<std::int32_t>(patch[idx(v)])).place;
+    }
+  });
 }
 
 }  // namespace skein

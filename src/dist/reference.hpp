@@ -25,8 +25,8 @@ struct BoundarySurface {
   };
   std::vector<Sides> sides;
   std::vector<std::int64_t> edge_key;  ///< per feature edge: 256 * reference + class
-  std::vector<double> most;      ///< per triangle: what thickness_share allows
-  std::vector<GlobalId> points;  ///< ascending: global ids of the input's points
+  std::vector<double> most;            ///< per triangle: what thickness_share allows
+  std::vector<GlobalId> points;        ///< ascending: global ids of the input's points
 };
 
 /// Collective. All tagged faces of the mesh and the feature edges on them, on every rank, in an order that does not
@@ -35,5 +35,10 @@ BoundarySurface gather_boundary(const Comm& comm, const DistMesh& dist, const De
 
 /// Fills the column surface_place of a mesh whose boundary the surface is made of. Not collective.
 void place_on_own_surface(DistMesh& dist, const BoundarySurface& boundary, const ReferenceSurface& surface);
+/// Collective. The same where the surface is that of another mesh: by the nearest point among the triangles of the same
+/// patch reference. `patch_ref`: of the surface's patches. Throws Error(kInput) on all ranks, with a reference, when
+/// the surface has no patch that a vertex is on.
+void place_on_other_surface(const Comm& comm, DistMesh& dist, const ReferenceSurface& surface,
+                            const std::vector<std::int32_t>& patch_ref);
 
 }  // namespace skein

@@ -11,8 +11,8 @@ Deviation deviation(const ReferenceSurface& surface, Vec3 a, Vec3 b, Vec3 c, Sur
   const auto off = [&](Vec3 x, SurfacePlace from) {
     const SurfacePoint p = surface.below(x, from);
     const Vec3 d = x - p.x;
-    out.distance = std::max(out.distance,
-                            surface.shape() == SurfaceShape::kFacets ? norm(d) : std::abs(dot(d, p.direction)));
+    out.distance =
+        std::max(out.distance, surface.shape() == SurfaceShape::kFacets ? norm(d) : std::abs(dot(d, p.direction)));
     return p;
   };
   const SurfacePoint centre = off((1.0 / 3) * (a + b + c), near);

@@ -23,7 +23,7 @@ SurfacePlace place_near(const TetMesh& m, std::span<const VertId> verts) noexcep
 /// facets that go.
 bool stays_near(const ReferenceSurface& surface, const TetMesh& m, VertId v, VertId u, std::span<const Facet> facets);
 /// The same when two facets are replaced by two others.
-bool swap_stays_near(const ReferenceSurface& surface, const TetMesh& m, std::span<const std::array<VertId, 3>, 2> before,
-                     std::span<const std::array<VertId, 3>, 2> after);
+bool swap_stays_near(const ReferenceSurface& surface, const TetMesh& m,
+                     std::span<const std::array<VertId, 3>, 2> before, std::span<const std::array<VertId, 3>, 2> after);
 
 }  // namespace skein

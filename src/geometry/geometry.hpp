@@ -47,8 +47,8 @@ struct BoundaryStar {
 };
 
 /// The surface that the boundary of the mesh stands for. What it answers depends on nothing but its arguments and the
-/// coordinates and surface places of the vertices that they name, so both sides of an interface between parts get the same bits. Several
-/// threads may ask at once. Calls are per operation on the boundary, never per tetrahedron inside.
+/// coordinates and surface places of the vertices that they name, so both sides of an interface between parts get the
+/// same bits. Several threads may ask at once. Calls are per operation on the boundary, never per tetrahedron inside.
 class Geometry {
  public:
   Geometry() = default;
@@ -57,7 +57,8 @@ class Geometry {
   virtual ~Geometry() = default;
 
   /// The place of a new vertex at the share s of the way from a to b, on an edge of the boundary. @pre 0 < s < 1.
-  [[nodiscard]] virtual BoundaryPoint between(const TetMesh& mesh, VertId a, VertId b, double s, EdgeKind kind) const = 0;
+  [[nodiscard]] virtual BoundaryPoint between(const TetMesh& mesh, VertId a, VertId b, double s,
+                                              EdgeKind kind) const = 0;
   /// The same for s = 1/2: the same bits also when a and b change places.
   [[nodiscard]] virtual BoundaryPoint middle(const TetMesh& mesh, VertId a, VertId b, EdgeKind kind) const = 0;
   /// The place on the geometry for vertex v of the boundary when it is to go to x.

@@ -9,8 +9,8 @@
 namespace skein {
 namespace {
 
-constexpr double kFlat = 1e-9;      ///< relative height up to which facets count as one plane
-constexpr double kFarthest = 0.5;   ///< of an edge: a surface that is farther off is not the one that it belongs to
+constexpr double kFlat = 1e-9;     ///< relative height up to which facets count as one plane
+constexpr double kFarthest = 0.5;  ///< of an edge: a surface that is farther off is not the one that it belongs to
 
 double cosine(double degrees) noexcept { return std::cos(degrees * std::numbers::pi / 180); }
 using Triangle = std::array<Vec3, 3>;

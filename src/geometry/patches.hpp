@@ -12,8 +12,8 @@ struct PatchLimits {
 };
 
 /// New vertices lie on the patches and on the curves of the features, and vertices move on them. Facets may be as far
-/// off as the surface allows (allowed_deviation), or as far as those that they replace. Where the surface is flat, all is as
-/// with FacetGeometry, to the bit. @pre the mesh has the column surface_place.
+/// off as the surface allows (allowed_deviation), or as far as those that they replace. Where the surface is flat, all
+/// is as with FacetGeometry, to the bit. @pre the mesh has the column surface_place.
 class PatchGeometry final : public Geometry {
  public:
   PatchGeometry(const FacetLimits& flat, const PatchLimits& limits, const ReferenceSurface& reference);

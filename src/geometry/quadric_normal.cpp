@@ -8,10 +8,10 @@
 namespace skein {
 namespace {
 
-constexpr std::size_t kTerms = 9;         ///< x, y, z, then the six of second degree
-constexpr double kMinCosine = 0.866;      ///< of 30 degrees
-constexpr double kRegular = 1e-14;        ///< relative; keeps the elimination possible where points are too few
-constexpr double kIndifferent = 1e-12;    ///< relative; directions that miss the points by less fit equally well
+constexpr std::size_t kTerms = 9;       ///< x, y, z, then the six of second degree
+constexpr double kMinCosine = 0.866;    ///< of 30 degrees
+constexpr double kRegular = 1e-14;      ///< relative; keeps the elimination possible where points are too few
+constexpr double kIndifferent = 1e-12;  ///< relative; directions that miss the points by less fit equally well
 using Matrix = std::array<std::array<double, kTerms>, kTerms>;
 
 /// Sum of the outer products of the terms at the points; nearer points count more.

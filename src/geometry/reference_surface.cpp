@@ -10,8 +10,8 @@
 namespace skein {
 namespace {
 
-constexpr int kMostHops = 64;    ///< triangles or edges that a walk crosses before the tree is asked
-constexpr int kMostSteps = 8;    ///< of the iteration to the foot of a perpendicular
+constexpr int kMostHops = 64;  ///< triangles or edges that a walk crosses before the tree is asked
+constexpr int kMostSteps = 8;  ///< of the iteration to the foot of a perpendicular
 constexpr double kSettled = 1e-13;
 constexpr double kFarBeyond = 0.1;   ///< barycentric: a curved feature bulges less beyond its chord
 constexpr double kSameSheet = -0.2;  ///< cosine between normals of places of one sheet that are near each other
@@ -37,9 +37,7 @@ Weights clamped(const Weights& w) noexcept {
   return c;
 }
 
-std::size_t lowest(const Weights& w) noexcept {
-  return w[0] <= w[1] ? (w[0] <= w[2] ? 0 : 2) : (w[1] <= w[2] ? 1 : 2);
-}
+std::size_t lowest(const Weights& w) noexcept { return w[0] <= w[1] ? (w[0] <= w[2] ? 0 : 2) : (w[1] <= w[2] ? 1 : 2); }
 
 }  // namespace
 
@@ -157,6 +155,14 @@ SurfacePoint ReferenceSurface::find(Vec3 x, SurfacePlace from, double settled) c
     w = nearest_on_triangle(x, p[0], p[1], p[2]).weight;
   }
   return settle(x, t, w, settled);
+}
+
+SurfacePoint ReferenceSurface::nearest_of_patch(Vec3 x, std::int32_t patch) const {
+  const std::int32_t t = tree_.nearest(in_.points, in_.triangles, x,
+                                       [&](std::int32_t i) { return in_.patch[static_cast<std::size_t>(i)] == patch; });
+  if (t < 0) return {x, SurfacePlace::kUnknown, {}, true};
+  const auto& p = tri(t).x;
+  return settle(x, t, nearest_on_triangle(x, p[0], p[1], p[2]).weight, kExactly);
 }
 
 double ReferenceSurface::distance(Vec3 x, SurfacePlace from) const {

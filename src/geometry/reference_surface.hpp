@@ -21,8 +21,8 @@ enum class SurfaceShape : std::uint8_t {
 struct SurfaceInput {
   using Triangle = SurfaceTree::Triangle;
   std::vector<Vec3> points;
-  std::vector<Triangle> triangles;   ///< of either orientation, neighbours in one patch alike
-  std::vector<std::int32_t> patch;   ///< per triangle
+  std::vector<Triangle> triangles;                 ///< of either orientation, neighbours in one patch alike
+  std::vector<std::int32_t> patch;                 ///< per triangle
   std::vector<std::array<std::int32_t, 2>> edges;  ///< feature edges on the triangles, each once
   std::vector<std::uint8_t> is_corner;             ///< per point: feature edges end, branch or bend here
 };
@@ -31,7 +31,7 @@ struct SurfaceInput {
 struct SurfacePoint {
   Vec3 x;
   SurfacePlace place = SurfacePlace::kUnknown;
-  Vec3 direction{};  ///< unit normal of a point on a triangle, unit tangent of one on a feature edge
+  Vec3 direction{};   ///< unit normal of a point on a triangle, unit tangent of one on a feature edge
   bool flat = false;  ///< the triangle or edge there is flat or straight, with all that it runs into smoothly
 };
 
@@ -50,6 +50,8 @@ class ReferenceSurface {
   /// The point of the surface that is nearest to x, looking round `from` first: the same sheet is kept where two are
   /// near each other. With `from` unknown, the nearest of all.
   [[nodiscard]] SurfacePoint nearest(Vec3 x, SurfacePlace from) const { return find(x, from, kExactly); }
+  /// The nearest point among the triangles of this patch.
+  [[nodiscard]] SurfacePoint nearest_of_patch(Vec3 x, std::int32_t patch) const;
   /// A point of the surface next to x, off the nearest one sidewards by little against the triangle: quicker, and as
   /// good for vertices, which may be anywhere on the surface.
   [[nodiscard]] SurfacePoint near(Vec3 x, SurfacePlace from) const { return find(x, from, kRoughly); }
@@ -65,7 +67,8 @@ class ReferenceSurface {
   [[nodiscard]] SurfacePlace place_of_point(std::int32_t point) const noexcept {
     return places_[static_cast<std::size_t>(point)];
   }
-  /// How far a facet at this place may be off the surface, as limit_deviation() has set it; without it, as far as it likes.
+  /// How far a facet at this place may be off the surface, as limit_deviation() has set it; without it, as far as it
+  /// likes.
   [[nodiscard]] double allowed_deviation(SurfacePlace place) const noexcept;
   /// Sets it: `share` of the bounding box of each smooth piece (triangles that no feature edge separates), not above
   /// `most` of any of its triangles.
@@ -93,7 +96,7 @@ class ReferenceSurface {
   /// A triangle with what its patch is made from. Side i is opposite corner i, from corner i+1 to corner i+2.
   struct Patch {
     std::array<Vec3, 3> x, normal;
-    std::array<std::array<Vec3, 2>, 3> derivative;  ///< of the cubic of each side, at its ends
+    std::array<std::array<Vec3, 2>, 3> derivative;      ///< of the cubic of each side, at its ends
     std::array<std::int32_t, 3> neighbour{-1, -1, -1};  ///< over each side; -1: a feature edge is between
     Vec3 facet_normal;
     std::int32_t piece = 0;

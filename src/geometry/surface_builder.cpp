@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFlat = 1e-6;  ///< between unit normals of facets in one plane, tangents on one line
 constexpr double kNearest = 0.25, kTooNear = 0.05;  ///< of an edge: how far away points are that make its tangents
-constexpr int kLayers = 2, kLayersAtFeature = 4;  ///< of triangles round a fan, whose points make its normal
+constexpr int kLayers = 2, kLayersAtFeature = 4;    ///< of triangles round a fan, whose points make its normal
 constexpr std::size_t next(std::size_t i) noexcept { return i == 2 ? 0 : i + 1; }
 bool same_direction(Vec3 a, Vec3 b) noexcept { return norm(cross(a, b)) < kFlat && dot(a, b) > 0; }
 
@@ -71,8 +71,8 @@ void SurfaceBuilder::find_neighbours() {
   });
   const auto same = [](const Side& l, const Side& r) { return l.a == r.a && l.b == r.b; };
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const bool more = (i > 0 && same(sides[i - 1], sides[i])) ||
-                      (i + 2 < sides.size() && same(sides[i + 1], sides[i + 2]));
+    const bool more =
+        (i > 0 && same(sides[i - 1], sides[i])) || (i + 2 < sides.size() && same(sides[i + 1], sides[i + 2]));
     if (more || !same(sides[i], sides[i + 1])) continue;
     const Side &l = sides[i], &r = sides[i + 1];
     patch(l.triangle).neighbour[static_cast<std::size_t>(l.side)] = r.triangle;
@@ -186,7 +186,8 @@ bool SurfaceBuilder::is_open(const std::vector<std::int32_t>& fan, std::int32_t 
 bool SurfaceBuilder::is_flat_round(const std::vector<std::int32_t>& fan, int layers) const {
   const Vec3 n = patch(fan.front()).facet_normal;
   const auto near = triangles_round(fan, layers);
-  return std::all_of(near.begin(), near.end(), [&](std::int32_t t) { return same_direction(patch(t).facet_normal, n); });
+  return std::all_of(near.begin(), near.end(),
+                     [&](std::int32_t t) { return same_direction(patch(t).facet_normal, n); });
 }
 
 std::vector<std::int32_t> SurfaceBuilder::triangles_round(const std::vector<std::int32_t>& fan, int layers) const {
@@ -204,7 +205,8 @@ std::vector<std::int32_t> SurfaceBuilder::triangles_round(const std::vector<std:
 
 std::vector<Vec3> SurfaceBuilder::points_round(const std::vector<std::int32_t>& fan, int layers) const {
   std::vector<std::int32_t> points;
-  for (const std::int32_t t : triangles_round(fan, layers)) points.insert(points.end(), verts(t).begin(), verts(t).end());
+  for (const std::int32_t t : triangles_round(fan, layers))
+    points.insert(points.end(), verts(t).begin(), verts(t).end());
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   std::vector<Vec3> out;
@@ -297,9 +299,8 @@ void SurfaceBuilder::find_curves() {
 void SurfaceBuilder::find_flat() {
   for (std::int32_t t = 0; t < count(); ++t) {
     auto& p = patch(t);
-    p.flat = s_.shape_ == SurfaceShape::kFacets || std::all_of(p.normal.begin(), p.normal.end(), [&](Vec3 n) {
-               return same_direction(n, p.facet_normal);
-             });
+    p.flat = s_.shape_ == SurfaceShape::kFacets ||
+             std::all_of(p.normal.begin(), p.normal.end(), [&](Vec3 n) { return same_direction(n, p.facet_normal); });
   }
 }
 

@@ -64,8 +64,8 @@ SurfaceTree::SurfaceTree(std::span<const Vec3> points, std::span<const Triangle>
   build(0, centres, boxes, 0, static_cast<std::int32_t>(triangles.size()));
 }
 
-void SurfaceTree::build(std::size_t node, std::span<const Vec3> centres, std::span<const Box> boxes,
-                        std::int32_t first, std::int32_t count) {
+void SurfaceTree::build(std::size_t node, std::span<const Vec3> centres, std::span<const Box> boxes, std::int32_t first,
+                        std::int32_t count) {
   Box box = kEmptyBox, inner = kEmptyBox;
   const auto begin = order_.begin() + first;
   for (auto i = begin; i != begin + count; ++i) {

@@ -83,9 +83,9 @@ struct VertColumns {
   VertFields fields;
 };
 inline constexpr std::tuple kVertColumns{
-    &VertColumns::coords,     &VertColumns::vert_ref, &VertColumns::vert_class, &VertColumns::vert_state,
-    &VertColumns::log_metric, &VertColumns::metric,   &VertColumns::anchor,     &VertColumns::surface_place,
-    &VertColumns::fields,
+    &VertColumns::coords,     &VertColumns::vert_ref,      &VertColumns::vert_class,
+    &VertColumns::vert_state, &VertColumns::log_metric,    &VertColumns::metric,
+    &VertColumns::anchor,     &VertColumns::surface_place, &VertColumns::fields,
 };
 inline constexpr std::size_t kVertColumnCount = std::tuple_size_v<decltype(kVertColumns)>;
 

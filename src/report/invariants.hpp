@@ -65,6 +65,9 @@ Invariants invariants(const Comm& comm, const DistMesh& dist);
 void add_smooth(Invariants& before, const TetMesh& mesh, const BoundarySurface& boundary,
                 const ReferenceSurface& surface);
 
+/// The same where the surface was made of another mesh: what its curved boundary has, and `before` not yet.
+void expect_smooth(Invariants& before, const Invariants& of_original);
+
 struct EndCheckReport {
   std::int64_t compared = 0;
   double largest_exact = 0;   ///< relative difference of what must be the same to rounding

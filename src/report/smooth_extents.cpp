@@ -7,7 +7,8 @@ namespace skein {
 namespace {
 
 Extent* find(std::vector<Extent>& list, std::int64_t key) {
-  const auto at = std::lower_bound(list.begin(), list.end(), key, [](const Extent& e, std::int64_t k) { return e.key < k; });
+  const auto at =
+      std::lower_bound(list.begin(), list.end(), key, [](const Extent& e, std::int64_t k) { return e.key < k; });
   return at != list.end() && at->key == key ? &*at : nullptr;
 }
 
@@ -37,6 +38,17 @@ void add_smooth(Invariants& before, const TetMesh& mesh, const BoundarySurface& 
     const auto edge = static_cast<std::int32_t>(e);
     if (line != nullptr) line->smooth += surface.edge_length(edge) - surface.chord(edge);
   }
+}
+
+void expect_smooth(Invariants& before, const Invariants& of_original) {
+  const auto expect = [](std::vector<Extent>& list, const std::vector<Extent>& wanted) {
+    for (const Extent& w : wanted) {
+      if (Extent* e = find(list, w.key)) e->smooth = w.value + w.smooth - e->value;
+    }
+  };
+  expect(before.regions, of_original.regions);
+  expect(before.patches, of_original.patches);
+  expect(before.lines, of_original.lines);
 }
 
 }  // namespace skein

@@ -34,8 +34,7 @@ void add_facet(const TetMesh& m, const ReferenceSurface& surface, FaceId f, Patc
     if (d > farthest.distance) farthest = {d, at};
   };
   const Deviation of_facet = deviation(surface, x[0], x[1], x[2], place_near(m, v));
-  sum.largest_angle =
-      std::max(sum.largest_angle, std::acos(std::min(of_facet.cosine, 1.0)) * 180 / std::numbers::pi);
+  sum.largest_angle = std::max(sum.largest_angle, std::acos(std::min(of_facet.cosine, 1.0)) * 180 / std::numbers::pi);
   take(of_facet.distance, (1.0 / 3) * (x[0] + x[1] + x[2]));
   for (std::size_t i = 0; i < 3; ++i) {
     if (seen[v[i]] != 0) continue;

@@ -12,13 +12,13 @@ namespace skein {
 
 /// Distances in the length unit of the mesh, angles in degrees.
 struct PatchDeviation {
-  std::int32_t ref = 0;             ///< reference of the patch
-  double area = 0;                  ///< of its facets
-  double largest_vertex = 0;        ///< distance of a vertex to the surface
-  double largest = 0;               ///< of vertices, middles of edges and centroids of facets
-  double sum = 0, samples = 0;      ///< of these distances
-  double largest_angle = 0;         ///< between the normal of a facet and that of the surface at its centroid
-  double vertices_off = 0;          ///< how many are farther off than rounding explains
+  std::int32_t ref = 0;         ///< reference of the patch
+  double area = 0;              ///< of its facets
+  double largest_vertex = 0;    ///< distance of a vertex to the surface
+  double largest = 0;           ///< of vertices, middles of edges and centroids of facets
+  double sum = 0, samples = 0;  ///< of these distances
+  double largest_angle = 0;     ///< between the normal of a facet and that of the surface at its centroid
+  double vertices_off = 0;      ///< how many are farther off than rounding explains
   [[nodiscard]] double mean() const noexcept { return samples > 0 ? sum / samples : 0; }
 };
 struct SurfaceReport {

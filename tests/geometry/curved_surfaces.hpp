@@ -19,8 +19,7 @@ inline SurfaceInput grid_surface(int n, int m, Wrap wrap, const std::function<Ve
   SurfaceInput s;
   const int columns = wrap.first ? n : n + 1, rows = wrap.second ? m : m + 1;
   for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i)
-      s.points.push_back(at(static_cast<double>(i) / n, static_cast<double>(j) / m));
+    for (int i = 0; i < columns; ++i) s.points.push_back(at(static_cast<double>(i) / n, static_cast<double>(j) / m));
   }
   const auto point = [&](int i, int j) { return i % columns + columns * (j % rows); };
   for (int j = 0; j < m; ++j) {

@@ -120,8 +120,8 @@ TEST(ReferenceSurface, NormalsOfQuadricsAreExact) {
   const ReferenceSurface on_sphere(sphere_surface(4), SurfaceShape::kPatches);
   for (std::int32_t t = 0; t < std::ssize(on_cone.input().triangles); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 x = on_cone.input().points[static_cast<std::size_t>(
-          on_cone.input().triangles[static_cast<std::size_t>(t)][k])];
+      const Vec3 x =
+          on_cone.input().points[static_cast<std::size_t>(on_cone.input().triangles[static_cast<std::size_t>(t)][k])];
       const Vec3 n = normalized({x.x, x.y, -std::hypot(x.x, x.y)});
       // At the border the points are all on one side, and many quadrics nearly fit.
       const bool border = x_on_border(on_cone, x);
@@ -130,8 +130,8 @@ TEST(ReferenceSurface, NormalsOfQuadricsAreExact) {
   }
   for (std::int32_t t = 0; t < std::ssize(on_sphere.input().triangles); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 x = on_sphere.input().points[static_cast<std::size_t>(
-          on_sphere.input().triangles[static_cast<std::size_t>(t)][k])];
+      const Vec3 x = on_sphere.input()
+                         .points[static_cast<std::size_t>(on_sphere.input().triangles[static_cast<std::size_t>(t)][k])];
       EXPECT_LT(norm(cross(on_sphere.normal(t, k), x)), 1e-6);
     }
   }
