@@ -198,15 +198,17 @@ class StretchSteps {
     measure_metric(dist.mesh);
     const StretchToDo now = stretch_to_do(comm, dist, elements, begun_ ? o.stretch_left : o.stretch_above);
     dist.mesh.metric = {};
-    const bool worth = now.elements > o.stretch_least && (!begun_ || now.work <= o.stretch_progress * left_);
-    left_ = begun_ ? now.work : std::numeric_limits<double>::infinity();
+    const bool worth =
+        now.elements > o.stretch_least && (!begun_ || now.excess <= last_.excess - o.stretch_progress * last_.share);
+    // The first step may do no more than make the mesh coarser across.
+    last_ = begun_ ? now : StretchToDo{.excess = std::numeric_limits<double>::infinity()};
     begun_ = begun_ || worth;
     return worth;
   }
 
  private:
   bool begun_ = false;
-  double left_ = 0;  ///< work before the step
+  StretchToDo last_;  ///< before the step
 };
 
 /// Collective. Lets a mesh that is too small for all the parts that its final state can feed grow on fewer ranks, with

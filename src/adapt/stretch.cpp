@@ -54,11 +54,9 @@ Stretch stretch_of(const TetMesh& m, TetId t) noexcept {
 SymTensor bounded(const SymTensor& log_m, const SymTensor& log_own, const Method::Growth& o) noexcept {
   // In the frame where the mesh's own metric is the identity, eigenvalues are squares of pieces.
   Eigen e = eigen(congruence(exp(-0.5 * log_own), exp(log_m)));
-  std::array<double, 3> pieces;
-  for (std::size_t i = 0; i < 3; ++i) pieces[i] = std::sqrt(std::max(e.value[i], 1e-300));
-  const double across = std::sqrt(pieces[0] * pieces[1]);
-  if (pieces[2] <= o.stretch_left || pieces[2] <= o.stretch_left * across) return log_m;
-  const double most = o.stretch_step * std::max(1.0, across);
+  const double least = std::sqrt(std::max(e.value[0], 1.0)), longest = std::sqrt(std::max(e.value[2], 1.0));
+  const double most = o.stretch_step * least;
+  if (longest <= o.stretch_left || longest <= most) return log_m;
   for (double& l : e.value) l = std::min(l, most * most);
   return log(congruence(exp(0.5 * log_own), compose(e)));
 }
@@ -67,15 +65,17 @@ SymTensor bounded(const SymTensor& log_m, const SymTensor& log_own, const Method
 
 StretchToDo stretch_to_do(const Comm& comm, const DistMesh& dist, std::span<const double> elements, double bound) {
   const TetMesh& m = dist.mesh;
-  StretchToDo sum;
+  double all = 0, stretched = 0, excess = 0;
   for (const TetId t : IdRange<TetId>(m.tet_slots())) {
     const Stretch s = stretch_of(m, t);
+    all += elements[idx(t)];
     if (s.pieces <= bound || s.ratio <= bound) continue;
-    sum.most = std::max(sum.most, s.ratio);
-    sum.elements += elements[idx(t)];
-    sum.work += elements[idx(t)] * std::log(std::min(s.pieces, s.ratio) / bound);
+    stretched += elements[idx(t)];
+    excess += elements[idx(t)] * std::log(std::min(s.pieces, s.ratio) / bound);
   }
-  return {comm.max(sum.most), comm.sum(sum.elements), comm.sum(sum.work)};
+  all = std::max(comm.sum(all), 1e-300);
+  stretched = comm.sum(stretched);
+  return {stretched, stretched / all, comm.sum(excess) / all};
 }
 
 void bound_stretch(const Comm& comm, DistMesh& dist, const Method::Growth& method) {

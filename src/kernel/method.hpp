@@ -145,7 +145,7 @@ struct Method {
     double stretch_left = 8;
     double stretch_step = 4;
     double stretch_least = 100;
-    double stretch_progress = 0.8;
+    double stretch_progress = 0.3;
   } growth;
 
   struct Rounds {
