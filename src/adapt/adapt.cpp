@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "adapt/blocks.hpp"
 #include "adapt/grow.hpp"
 #include "adapt/local.hpp"
+#include "adapt/stretch.hpp"
 #include "base/parallel.hpp"
 #include "dist/interface.hpp"
 #include "dist/migrate.hpp"
@@ -189,27 +191,55 @@ Workers workers_for(const CutLimits& limits, int parts, int threads, bool grown)
   return {parts, std::clamp(limits.able / parts, 1, threads), grown};
 }
 
+/// Whether the mesh goes another step towards a metric that stretches its elements far.
+class StretchSteps {
+ public:
+  /// Collective. `elements` as in cut_limits().
+  bool are_worth(const Comm& comm, DistMesh& dist, std::span<const double> elements, const Method::Growth& o) {
+    measure_metric(dist.mesh);
+    const StretchToDo now = stretch_to_do(comm, dist, elements, begun_ ? o.stretch_left : o.stretch_above);
+    dist.mesh.metric = {};
+    const bool worth =
+        now.elements > o.stretch_least && (!begun_ || now.excess <= last_.excess - o.stretch_progress * last_.share);
+    // The first step may do no more than make the mesh coarser across.
+    last_ = begun_ ? now : StretchToDo{.excess = std::numeric_limits<double>::infinity()};
+    begun_ = begun_ || worth;
+    return worth;
+  }
+
+ private:
+  bool begun_ = false;
+  StretchToDo last_;  ///< before the step
+};
+
 /// Collective. Lets a mesh that is too small for all the parts that its final state can feed grow on fewer ranks, with
 /// a coarser metric, until it can be cut. Interfaces through a few tetrahedra would have to be refined many times over
-/// with next to nothing beside them, and what comes of that costs more than the parts gain.
+/// with next to nothing beside them, and what comes of that costs more than the parts gain. Steps, too, lead to a
+/// metric that asks for elements far more stretched than those of the mesh.
 Workers grow(const Comm& comm, DistMesh& dist, const LocalOptions& local, PhaseLog& log) {
+  const Method::Growth& method = local.kernel.method.growth;
   // One worker alone does better, too: far from its final size, a mesh of few tetrahedra is all needles for a while.
   const int workers = std::max(2, comm.size() * local.threads);
   std::optional<Background> given;
   CutLimits last{};
+  StretchSteps stretch_steps;
   for (int step = 0;; ++step) {
     const std::vector<double> elements = predicted_elements(dist.mesh);
-    const CutLimits limits = cut_limits(comm, elements, workers, local.kernel.method.growth);
+    const CutLimits limits = cut_limits(comm, elements, workers, method);
     const bool helps = step == 0 || limits.able > last.able || limits.able == 1;
+    const bool small = limits.able < limits.wanted && helps;
     // A spacing field is known where there are vertices only; nobody can tell what it will ask for.
-    if (limits.able >= limits.wanted || !helps || step == local.kernel.method.growth.most_steps ||
-        local.spacing != nullptr)
+    const bool may = local.spacing == nullptr && step < method.most_steps;
+    const bool stretched = may && stretch_steps.are_worth(comm, dist, elements, method);
+    if (!may || (!small && !stretched))
       return workers_for(limits, std::min(limits.wanted, comm.size()), local.threads, step > 0);
     last = limits;
     log.start(fmt::format("growth {}: partition", step + 1));
     if (!given) given.emplace(comm, dist, fields_of(dist.mesh.log_metric));
-    bound_growth(comm, dist, elements, local.kernel.method.growth.per_step);
-    const Workers now = workers_for(limits, std::min(limits.able, comm.size()), local.threads, step > 0);
+    if (small) bound_growth(comm, dist, elements, method.per_step);
+    if (stretched) bound_stretch(comm, dist, method);
+    const int parts = std::min({limits.able, limits.wanted, comm.size()});
+    const Workers now = workers_for(limits, parts, local.threads, step > 0);
     LocalOptions step_options = local;
     step_options.threads = now.threads;
     if (comm.size() > 1) cut_parts(comm, dist, now.parts, step > 0, local);

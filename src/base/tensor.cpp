@@ -79,13 +79,13 @@ SymTensor power(const SymTensor& a, double p) noexcept {
   for (auto& l : e.value) l = std::pow(l, p);
   return compose(e);
 }
-/// s m s
+}  // namespace
+
 SymTensor congruence(const SymTensor& s, const SymTensor& m) noexcept {
   const Vec3 c0{s.xx, s.xy, s.xz}, c1{s.xy, s.yy, s.yz}, c2{s.xz, s.yz, s.zz};
   const Vec3 m0 = mul(m, c0), m1 = mul(m, c1), m2 = mul(m, c2);
   return {dot(c0, m0), dot(c0, m1), dot(c1, m1), dot(c0, m2), dot(c1, m2), dot(c2, m2)};
 }
-}  // namespace
 
 SymTensor intersect(const SymTensor& a, const SymTensor& b) noexcept {
   // In the frame where a is the identity, the common eigenvectors are those of b; take max(1, eigenvalue).

@@ -58,6 +58,8 @@ SymTensor exp(const SymTensor& m) noexcept;
 bool is_positive_definite(const SymTensor& m) noexcept;
 /// The metric whose unit ball lies in both unit balls (simultaneous reduction), the strictest of both.
 SymTensor intersect(const SymTensor& a, const SymTensor& b) noexcept;
+/// s m s
+SymTensor congruence(const SymTensor& s, const SymTensor& m) noexcept;
 /// The eigenvalues clamped to [1/h_max^2, 1/h_min^2].
 SymTensor clamp_sizes(const SymTensor& m, double h_min, double h_max) noexcept;
 

@@ -15,6 +15,9 @@
 namespace skein {
 namespace {
 
+/// A ridge vertex that is so many times as far from the feature edges as from the patch is on the patch.
+constexpr double kFarFromEdge = 4;
+
 struct SentPoint {
   GlobalId gid;
   Vec3 x;
@@ -193,9 +196,15 @@ void place_on_other_surface(const Comm& comm, DistMesh& dist, const ReferenceSur
     m.surface_place.raw().assign(m.vert_slots(), SurfacePlace::kUnknown);
     for (const VertId v : IdRange<VertId>(m.vert_slots())) {
       if (patch[idx(v)] < 0 || m.has(v, kCorner)) continue;
-      m.surface_place[v] = m.has(v, kRidge)
-                               ? surface.nearest_on_edges(m.coords[v], SurfacePlace::kUnknown).place
-                               : surface.nearest_of_patch(m.coords[v], static_cast<std::int32_t>(patch[idx(v)])).place;
+      const Vec3 x = m.coords[v];
+      const auto there = static_cast<std::int32_t>(patch[idx(v)]);
+      const SurfacePoint on = surface.nearest_of_patch(x, there);
+      m.surface_place[v] = on.place;
+      if (!m.has(v, kRidge)) continue;
+      // A fold of the mesh may be no feature of the geometry.
+      const SurfacePoint edge = surface.nearest_on_edges(x, SurfacePlace::kUnknown);
+      if (norm(edge.x - x) <= kFarFromEdge * (norm(on.x - x) + surface.allowed_deviation(on.place)))
+        m.surface_place[v] = edge.place;
     }
   });
 }

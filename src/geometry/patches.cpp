@@ -188,8 +188,8 @@ bool PatchGeometry::allows_move(const TetMesh& m, VertId v, Vec3 x,
   bool flat = true;
   for (const auto& f : facets) {
     const Triangle was = shape(f), is = moved(f);
-    const Vec3 nw = area_vector(was), ni = area_vector(is);
-    if (!(dot(nw, ni) > min_dot_ * norm(nw) * norm(ni))) return false;
+    // A facet that is folded may turn back by any angle: what counts is how it then is against the surface.
+    if (!(dot(area_vector(was), area_vector(is)) > 0)) return false;
     flat = flat && in_one_plane(was, is);
   }
   if (flat) return true;

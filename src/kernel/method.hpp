@@ -149,6 +149,11 @@ struct Method {
     int most_steps = 10;
     double smallest_part = 12000;
     double smallest_cut = 4000;
+    double stretch_above = 32;
+    double stretch_left = 8;
+    double stretch_step = 4;
+    double stretch_least = 100;
+    double stretch_progress = 0.3;
   } growth;
 
   struct Rounds {

@@ -132,6 +132,13 @@ void for_each_number(M&& m, Visit&& visit) {
   visit("growth.most_steps", m.growth.most_steps, 0, 100, "steps in which a mesh grows that is too small to be cut");
   visit("growth.smallest_part", m.growth.smallest_part, 1, 1e9, "predicted tetrahedra of a part at least");
   visit("growth.smallest_cut", m.growth.smallest_cut, 1, 1e9, "tetrahedra of a part at least when it is cut");
+  visit("growth.stretch_above", m.growth.stretch_above, 1, 1e9,
+        "elements that the metric stretches more than this against the mesh are reached in steps");
+  visit("growth.stretch_left", m.growth.stretch_left, 1, 1e9, "... and what is left by such steps, where they end");
+  visit("growth.stretch_step", m.growth.stretch_step, 2, 1000, "edges out of one in such a step");
+  visit("growth.stretch_least", m.growth.stretch_least, 0, 1e9, "predicted elements for which such a step pays");
+  visit("growth.stretch_progress", m.growth.stretch_progress, 0, 1,
+        "logarithm by which each must lower the stretch");
 
   visit("rounds.mending", m.rounds.mending, 0, 100, "rounds after the others, for what frozen vertices have left bad");
   visit("rounds.layers", m.rounds.layers, 1, 100, "layers by which interfaces move after the first round");
