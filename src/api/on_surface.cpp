@@ -27,7 +27,7 @@ void note_surface(PhaseLog& log, const SurfaceReport& report) {
 /// Makes the surface of a boundary.
 ReferenceSurface make_surface(const BoundarySurface& boundary, const AdaptationOptions& options) {
   ReferenceSurface surface(boundary.input, options.geometry);
-  surface.limit_deviation(options.deviation.share, boundary.most);
+  surface.limit_deviation(options.deviation.share, options.deviation.thickness_share, boundary.most);
   return surface;
 }
 

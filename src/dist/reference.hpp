@@ -11,7 +11,8 @@ namespace skein {
 /// How far facets may be off the reference surface where sizes ask for coarser ones.
 struct DeviationLimits {
   double share = 0.001;  ///< of the bounding box of each smooth piece of the surface
-  /// Of volume over area of the regions beside it: so thin bodies keep their volume. 0: no such limit.
+  /// Of volume over area of the regions beside it, and of area over rim of the piece: so thin bodies keep their volume,
+  /// and narrow pieces their area. 0: no such limit.
   double thickness_share = 0.01;
 };
 

@@ -211,24 +211,40 @@ SurfacePoint ReferenceSurface::nearest_on_edges(Vec3 x, SurfacePlace from) const
 
 double ReferenceSurface::allowed_deviation(SurfacePlace place) const noexcept {
   if (limit_.empty()) return std::numeric_limits<double>::infinity();
-  const std::int32_t t = is_edge(place) ? curve(edge_of(place)).triangle : triangle_of(place);
-  return t < 0 ? least_limit_ : limit_[static_cast<std::size_t>(tri(t).piece)];
+  if (is_edge(place)) return edge_limit_[static_cast<std::size_t>(edge_of(place))];
+  return is_triangle(place) ? limit_[static_cast<std::size_t>(tri(triangle_of(place)).piece)] : least_limit_;
 }
 
-void ReferenceSurface::limit_deviation(double share, std::span<const double> most) {
-  std::vector<Box> box;
-  limit_.clear();
+void ReferenceSurface::limit_deviation(double share, double narrow_share, std::span<const double> most) {
+  struct Piece {
+    Box box = kEmptyBox;
+    double area = 0, rim = 0, most = std::numeric_limits<double>::infinity();
+  };
+  std::vector<Piece> pieces;
   for (std::size_t t = 0; t < patches_.size(); ++t) {
     const Patch& p = patches_[t];
-    const auto piece = static_cast<std::size_t>(p.piece);
-    if (box.size() <= piece) box.resize(piece + 1, kEmptyBox), limit_.resize(piece + 1, most[t]);
-    for (const Vec3 x : p.x) box[piece] = join(box[piece], x);
-    limit_[piece] = std::min(limit_[piece], most[t]);
+    if (pieces.size() <= static_cast<std::size_t>(p.piece)) pieces.resize(static_cast<std::size_t>(p.piece) + 1);
+    Piece& piece = pieces[static_cast<std::size_t>(p.piece)];
+    for (const Vec3 x : p.x) piece.box = join(piece.box, x);
+    piece.area += 0.5 * norm(cross(p.x[1] - p.x[0], p.x[2] - p.x[0]));
+    for (std::size_t i = 0; i < 3; ++i) piece.rim += p.curve[i] >= 0 ? norm(p.x[next(i)] - p.x[next(next(i))]) : 0;
+    piece.most = std::min(piece.most, most[t]);
   }
+  limit_.clear();
   least_limit_ = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < box.size(); ++i) {
-    limit_[i] = std::min(limit_[i], share * norm(box[i].high - box[i].low));
-    least_limit_ = std::min(least_limit_, limit_[i]);
+  for (const Piece& p : pieces) {
+    double limit = std::min(p.most, share * norm(p.box.high - p.box.low));
+    if (p.rim > 0 && narrow_share > 0) limit = std::min(limit, narrow_share * p.area / p.rim);
+    limit_.push_back(limit);
+    least_limit_ = std::min(least_limit_, limit);
+  }
+  edge_limit_.assign(curves_.size(), std::numeric_limits<double>::infinity());
+  for (const Patch& p : patches_) {
+    for (const std::int32_t e : p.curve) {
+      if (e < 0) continue;
+      double& limit = edge_limit_[static_cast<std::size_t>(e)];
+      limit = std::min(limit, limit_[static_cast<std::size_t>(p.piece)]);
+    }
   }
 }
 

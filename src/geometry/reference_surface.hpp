@@ -70,9 +70,10 @@ class ReferenceSurface {
   /// How far a facet at this place may be off the surface, as limit_deviation() has set it; without it, as far as it
   /// likes.
   [[nodiscard]] double allowed_deviation(SurfacePlace place) const noexcept;
-  /// Sets it: `share` of the bounding box of each smooth piece (triangles that no feature edge separates), not above
-  /// `most` of any of its triangles.
-  void limit_deviation(double share, std::span<const double> most);
+  /// Sets it for each smooth piece (triangles that no feature edge separates): `share` of its bounding box, not above
+  /// `most` of any of its triangles, nor (unless 0) above `narrow_share` of its area over the length of its rim, so
+  /// that a narrow piece keeps its area when its rim gets coarser. At a feature edge, the least of the pieces at it.
+  void limit_deviation(double share, double narrow_share, std::span<const double> most);
 
   [[nodiscard]] SurfaceShape shape() const noexcept { return shape_; }
   [[nodiscard]] const SurfaceInput& input() const noexcept { return in_; }
@@ -98,6 +99,7 @@ class ReferenceSurface {
     std::array<Vec3, 3> x, normal;
     std::array<std::array<Vec3, 2>, 3> derivative;      ///< of the cubic of each side, at its ends
     std::array<std::int32_t, 3> neighbour{-1, -1, -1};  ///< over each side; -1: a feature edge is between
+    std::array<std::int32_t, 3> curve{-1, -1, -1};      ///< the feature edge that each side is
     Vec3 facet_normal;
     std::int32_t piece = 0;
     bool flat = true;      ///< the patch is in the plane of its corners
@@ -108,7 +110,6 @@ class ReferenceSurface {
   struct Curve {
     Vec3 x0, x1, d0, d1;
     std::array<std::int32_t, 2> next{-1, -1};  ///< the edges beyond its ends; -1: a corner
-    std::int32_t triangle = -1;
     bool straight = true;
   };
   [[nodiscard]] const Patch& tri(std::int32_t t) const noexcept { return patches_[static_cast<std::size_t>(t)]; }
@@ -125,6 +126,7 @@ class ReferenceSurface {
   std::vector<Curve> curves_;
   std::vector<SurfacePlace> places_;  ///< per point
   std::vector<double> limit_;         ///< per piece
+  std::vector<double> edge_limit_;    ///< per feature edge
   double least_limit_ = 0;
   SurfaceTree tree_;
 };

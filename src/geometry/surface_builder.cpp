@@ -59,11 +59,8 @@ void SurfaceBuilder::find_neighbours() {
     for (std::size_t i = 0; i < 3; ++i) {
       const auto [a, b] = std::minmax(verts(t)[next(i)], verts(t)[next(next(i))]);
       const std::int32_t e = feature(a, b);
-      if (e < 0) {
-        sides.push_back({a, b, t, static_cast<std::int32_t>(i)});
-      } else if (s_.curves_[static_cast<std::size_t>(e)].triangle < 0) {
-        s_.curves_[static_cast<std::size_t>(e)].triangle = t;
-      }
+      patch(t).curve[i] = e;
+      if (e < 0) sides.push_back({a, b, t, static_cast<std::int32_t>(i)});
     }
   }
   std::sort(sides.begin(), sides.end(), [](const Side& l, const Side& r) {
@@ -84,6 +81,7 @@ void SurfaceBuilder::flip(std::int32_t t) {
   auto& v = s_.in_.triangles[static_cast<std::size_t>(t)];
   std::swap(v[1], v[2]);
   std::swap(patch(t).neighbour[1], patch(t).neighbour[2]);
+  std::swap(patch(t).curve[1], patch(t).curve[2]);
 }
 
 void SurfaceBuilder::orient_pieces() {
