@@ -16,13 +16,14 @@ namespace {
 struct Options {
   std::string input, output;
   std::optional<double> merge;
+  GmfVersion format = GmfVersion::kLowest;
 };
 
 ExitCode convert(const Comm& comm, const Options& o) {
   if (has_ending(o.input, kFields)) {
     require_input(comm, o.input, kFields);
     require_output(comm, o.output, kFields);
-    write_fields(comm, o.output, read_fields(comm, o.input));
+    write_fields(comm, o.output, read_fields(comm, o.input), o.format);
     return ExitCode::kOk;
   }
   require_input(comm, o.input, {".mesh", ".meshb", ".sol", ".solb"});
@@ -31,7 +32,7 @@ ExitCode convert(const Comm& comm, const Options& o) {
   merge_input(comm, o.merge, mesh, nullptr, [&](const std::string& line) {
     if (comm.is_root()) fmt::print("{}\n", line);
   });
-  write_mesh(comm, o.output, mesh);
+  write_mesh(comm, o.output, mesh, nullptr, o.format);
   return ExitCode::kOk;
 }
 
@@ -43,6 +44,7 @@ void add_convert(CLI::App& cli, Run& run) {
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb) or solution (.sol, .solb)")->required();
   verb->add_option("OUT", o->output, "mesh (.mesh, .meshb, .vtu, .pvtu) or solution (.sol, .solb)")->required();
   add_merge_option(*verb, o->merge);
+  add_format_option(*verb, o->format);
   verb->footer("Example: skein convert wing.mesh wing.vtu");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return convert(comm, *o); }; });
 }

@@ -4,6 +4,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <map>
+
 #include "comm/file.hpp"
 
 namespace skein::app {
@@ -32,6 +36,15 @@ void require_output(const Comm& comm, const std::string& path, std::initializer_
   if (path.empty()) return;
   agree(comm, [&] { require_ending(ExitCode::kOutput, path, endings); });
   const OutputFile probe(comm, path);  // made under a temporary name and removed again
+}
+
+void add_format_option(CLI::App& verb, GmfVersion& version) {
+  static const std::map<std::string, GmfVersion> kVersions{
+      {"2", GmfVersion::k2}, {"3", GmfVersion::k3}, {"4", GmfVersion::k4}};
+  verb.add_option_function<std::string>(
+          "--format-version", [&version](const std::string& v) { version = kVersions.at(v); },
+          "version of .meshb and .solb: 2, 3 or 4 (else: the lowest that holds the file)")
+      ->check(CLI::IsMember({"2", "3", "4"}));
 }
 
 }  // namespace skein::app

@@ -1,9 +1,11 @@
 // Paths of inputs and outputs: what can be said about them before the work begins.
 #pragma once
+#include <CLI/App.hpp>
 #include <initializer_list>
 #include <string>
 
 #include "comm/comm.hpp"
+#include "io/mesh_io.hpp"
 
 namespace skein::app {
 
@@ -18,5 +20,8 @@ void require_input(const Comm& comm, const std::string& path, std::initializer_l
 /// Collective. Throws Error(kOutput) unless a file with this name can be made (an old one stays as it is, and
 /// nothing is left behind) and the ending is one of these; an empty list takes any ending. An empty path is no output.
 void require_output(const Comm& comm, const std::string& path, std::initializer_list<const char*> endings);
+
+/// --format-version.
+void add_format_option(CLI::App& verb, GmfVersion& version);
 
 }  // namespace skein::app

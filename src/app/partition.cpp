@@ -22,6 +22,7 @@ struct Options {
   int parts = 0, threads = kThreadsNotGiven;
   std::string method = "multilevel";
   bool json = false;
+  GmfVersion format = GmfVersion::kLowest;
 };
 
 ExitCode run_partition(const Comm& comm, const Options& o) {
@@ -40,7 +41,7 @@ ExitCode run_partition(const Comm& comm, const Options& o) {
 
   if (!o.output.empty()) {
     for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) dist.mesh.tet_ref[t] = num(part[t]);
-    write_mesh(comm, o.output, to_slices(comm, dist));
+    write_mesh(comm, o.output, to_slices(comm, dist), nullptr, o.format);
   }
   if (!comm.is_root()) return ExitCode::kOk;
   if (o.json) {
@@ -66,6 +67,7 @@ void add_partition(CLI::App& cli, Run& run) {
       ->capture_default_str();
   add_threads_option(*verb, o->threads);
   verb->add_option("-o,--output", o->output, "the mesh with the part, from 0, as reference of the tetrahedra");
+  add_format_option(*verb, o->format);
   verb->add_flag("--json", o->json, "print JSON");
   verb->footer("Example: skein partition wing.meshb --parts 16 -o parts.vtu");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return run_partition(comm, *o); }; });

@@ -39,6 +39,7 @@ void add_run_options(CLI::App& verb, RunOptions& o) {
   verb.add_option("--report", o.report, "write a report of the run (JSON)");
   verb.add_option("--metric-out", o.metric_out, "write the metric at the vertices of the new mesh (.sol, .solb)");
   add_threads_option(verb, o.threads);
+  add_format_option(verb, o.format);
   verb.add_flag("--quiet", o.quiet, "no progress");
 }
 
@@ -94,10 +95,10 @@ void RunRecord::finish(const Comm& comm, DistMesh dist, const FieldsOut& fields)
   // The system copies what is written, and memory that it has back is faster than such as nobody has used before.
   dist.mesh = {}, dist.vert2gid = {};
   give_back_spare_blocks();
-  write_mesh(comm, run_.output, mesh, fields.kinds.empty() ? nullptr : &values);
+  write_mesh(comm, run_.output, mesh, fields.kinds.empty() ? nullptr : &values, run_.format);
   mesh = {};
-  if (!fields.path.empty()) write_fields(comm, fields.path, values);
-  if (!run_.metric_out.empty()) write_fields(comm, run_.metric_out, metric);
+  if (!fields.path.empty()) write_fields(comm, fields.path, values, run_.format);
+  if (!run_.metric_out.empty()) write_fields(comm, run_.metric_out, metric, run_.format);
   log.finish(tets);
   lap("write");
 

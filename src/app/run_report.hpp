@@ -7,6 +7,7 @@
 #include "comm/comm.hpp"
 #include "comm/phase_log.hpp"
 #include "dist/dist_mesh.hpp"
+#include "io/mesh_io.hpp"
 #include "mesh/mesh_slice.hpp"
 #include "report/json.hpp"
 
@@ -17,6 +18,7 @@ struct RunOptions {
   std::string output, report, metric_out;
   int threads = kThreadsNotGiven;  ///< see settle_threads
   bool quiet = false;
+  GmfVersion format = GmfVersion::kLowest;
 };
 void add_run_options(CLI::App& verb, RunOptions& o);
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "comm/comm.hpp"
+#include "io/mesh_io.hpp"
 #include "mesh/mesh_slice.hpp"
 
 namespace skein::io {
@@ -10,9 +11,13 @@ namespace skein::io {
 // GMF binary (.meshb, .solb)
 MeshSlice read_gmf_mesh(const Comm& comm, const std::string& path);
 FieldSlice read_gmf_fields(const Comm& comm, const std::string& path);
-/// version 3 (32-bit numbers) or 4 (64-bit); 0 takes 3 unless a number needs 4.
-void write_gmf_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, int version = 0);
-void write_gmf_fields(const Comm& comm, const std::string& path, const FieldSlice& fields, int version = 0);
+/// Throws Error(kOutput) on all ranks when the file does not fit the version asked for.
+void write_gmf_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh,
+                    GmfVersion asked = GmfVersion::kLowest);
+void write_gmf_fields(const Comm& comm, const std::string& path, const FieldSlice& fields,
+                      GmfVersion asked = GmfVersion::kLowest);
+/// The lowest version from 2 on for a file whose largest number is `largest` and which has `bytes` bytes as version 2.
+int gmf_version_for(std::int64_t largest, std::int64_t bytes) noexcept;
 
 // Medit text (.mesh, .sol)
 MeshSlice read_medit_mesh(const Comm& comm, const std::string& path);
