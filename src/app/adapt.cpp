@@ -15,6 +15,7 @@
 #include "app/files.hpp"
 #include "app/merge_input.hpp"
 #include "app/metric_input.hpp"
+#include "app/numbers.hpp"
 #include "app/run_report.hpp"
 #include "app/threads.hpp"
 #include "app/verbs.hpp"
@@ -53,7 +54,9 @@ void require_sense(const Comm& comm, const Options& o) {
   require_input(comm, o.input, kMeshInputs);
   require_input(comm, o.metric.path(), kFields);
   require_fields(comm, o.fields, o.run.output);
-  require_outputs(comm, o.run);
+  std::vector<std::string> inputs = o.fields.in;
+  inputs.insert(inputs.end(), {o.input, o.metric.path(), o.config});
+  require_outputs(comm, o.run, inputs, o.fields.out);
 }
 
 Json to_json(const Options& o) {
@@ -84,12 +87,14 @@ Json to_json(const Options& o) {
 AdaptationInput read_input(const Comm& comm, const Options& o, RunRecord& record, FieldsOut& fields) {
   record.log.start("read");
   AdaptationInput input;
-  input.mesh = read_mesh(comm, o.input);
+  const auto note = [&](const std::string& line) { record.log.note(line); };
+  input.mesh = read_mesh_noting(comm, o.input, note);
+  require_tets(comm, input.mesh);
   input.values = read_metric(comm, input.mesh, o.metric);
   const int metric_width = input.values.width;
   fields = read_fields_behind(comm, input.mesh, o.fields, input.values);
   input.carried = input.values.width - metric_width;
-  merge_input(comm, o.merge, input.mesh, &input.values, [&](const std::string& line) { record.log.note(line); });
+  merge_input(comm, o.merge, input.mesh, &input.values, note);
   record.elements_in = input.mesh.tets.total, record.vertices_in = input.mesh.total_verts;
   record.log.finish(static_cast<std::int64_t>(input.mesh.tets.verts.size()));
   record.lap("read");
@@ -165,13 +170,13 @@ void add_adapt(CLI::App& cli, Run& run) {
       ->excludes("--size");
   verb->add_option("--norm", o->metric.numbers.norm, "with --field: the error's norm, 1, 2, 4 ... or inf")
       ->check(CLI::Range(1.0, std::numeric_limits<double>::infinity()));
-  verb->add_option("--hmin", o->metric.numbers.h_min, "smallest edge length")->check(CLI::PositiveNumber);
-  verb->add_option("--hmax", o->metric.numbers.h_max, "largest edge length")->check(CLI::PositiveNumber);
+  verb->add_option("--hmin", o->metric.numbers.h_min, "smallest edge length")->check(positive());
+  verb->add_option("--hmax", o->metric.numbers.h_max, "largest edge length")->check(positive());
   verb->add_option("--gradation", o->gradation,
                    "sizes grow at most by this factor per edge (> 1; 0: no bound); 1.3 with --size, else 0");
   verb->add_option("--max-elements", o->metric.numbers.max_tets,
                    "refuse sizes that ask for more tetrahedra (else: for more than there is memory for)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   add_field_options(*verb, o->fields);
   add_merge_option(*verb, o->merge);
   verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));

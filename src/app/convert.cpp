@@ -17,9 +17,11 @@ struct Options {
   std::string input, output;
   std::optional<double> merge;
   GmfVersion format = GmfVersion::kLowest;
+  InputFiles inputs = InputFiles::kKept;
 };
 
 ExitCode convert(const Comm& comm, const Options& o) {
+  require_distinct(comm, {o.input}, {o.output}, o.inputs);
   if (has_ending(o.input, kFields)) {
     require_input(comm, o.input, kFields);
     require_output(comm, o.output, kFields);
@@ -28,10 +30,11 @@ ExitCode convert(const Comm& comm, const Options& o) {
   }
   require_input(comm, o.input, {".mesh", ".meshb", ".sol", ".solb"});
   require_output(comm, o.output, kMeshOutputs);
-  MeshSlice mesh = read_mesh(comm, o.input);
-  merge_input(comm, o.merge, mesh, nullptr, [&](const std::string& line) {
+  const auto note = [&](const std::string& line) {
     if (comm.is_root()) fmt::print("{}\n", line);
-  });
+  };
+  MeshSlice mesh = read_mesh_noting(comm, o.input, note);
+  merge_input(comm, o.merge, mesh, nullptr, note);
   write_mesh(comm, o.output, mesh, nullptr, o.format);
   return ExitCode::kOk;
 }
@@ -42,11 +45,16 @@ void add_convert(CLI::App& cli, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* verb = cli.add_subcommand("convert", "Convert a mesh or a solution to another format");
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb) or solution (.sol, .solb)")->required();
-  verb->add_option("OUT", o->output, "mesh (.mesh, .meshb, .vtu, .pvtu) or solution (.sol, .solb)")->required();
+  auto* out = verb->add_option("OUT", o->output, "mesh (.mesh, .meshb, .vtu, .pvtu) or solution (.sol, .solb)");
+  auto* named = verb->add_option("-o,--output", o->output, "the same as OUT")->excludes(out);
   add_merge_option(*verb, o->merge);
   add_format_option(*verb, o->format);
+  add_overwrite_option(*verb, o->inputs);
   verb->footer("Example: skein convert wing.mesh wing.vtu");
-  verb->callback([o, &run] { run = [o](const Comm& comm) { return convert(comm, *o); }; });
+  verb->callback([o, out, named, &run] {
+    if (out->empty() && named->empty()) throw CLI::RequiredError("OUT");
+    run = [o](const Comm& comm) { return convert(comm, *o); };
+  });
 }
 
 }  // namespace skein::app

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "app/files.hpp"
+#include "app/numbers.hpp"
 #include "app/run_report.hpp"
 #include "app/threads.hpp"
 #include "app/verbs.hpp"
@@ -31,7 +32,7 @@ Json to_json(const Options& o) {
 
 ExitCode run_generate(const Comm& comm, Options& o) {
   require_input(comm, o.input, kMeshInputs);
-  require_outputs(comm, o.run);
+  require_outputs(comm, o.run, {o.input, o.sources});
   o.run.threads = settle_threads(comm, o.run.threads);
   o.generate.adapt.threads = o.run.threads;
   RunRecord record(comm, o.run);
@@ -40,7 +41,7 @@ ExitCode run_generate(const Comm& comm, Options& o) {
   note_threads(comm, o.run.threads, record.log);
 
   record.log.start("read");
-  const MeshSlice surface = read_mesh(comm, o.input);
+  const MeshSlice surface = read_mesh_noting(comm, o.input, [&](const std::string& line) { record.log.note(line); });
   if (!o.sources.empty()) o.generate.sources = read_sources(comm, o.sources);
   record.elements_in = surface.triangles.total, record.vertices_in = surface.total_verts;
   record.log.finish(0);
@@ -60,9 +61,9 @@ void add_generate(CLI::App& cli, Run& run) {
   verb->add_option("SURFACE", o->input, "surface (.mesh, .meshb)")->required();
   add_run_options(*verb, o->run);
   verb->add_option("--sources", o->sources, "spacing sources (TOML)");
-  verb->add_option("--size-max", o->generate.size_max, "largest edge length")->check(CLI::PositiveNumber);
+  verb->add_option("--size-max", o->generate.size_max, "largest edge length")->check(positive());
   verb->add_option("--growth", o->generate.growth, "how fast the boundary spacing may grow inwards, per distance")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   verb->add_option("--ridge-angle", o->generate.ridge_angle, "surface edges folded more than this are kept, degrees")
       ->check(CLI::Range(0.0, 180.0));
   verb->add_flag("--keep-surface", o->generate.keep_surface, "keep the surface triangles as they are");

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "app/numbers.hpp"
 #include "base/tensor.hpp"
 #include "io/mesh_io.hpp"
 
@@ -45,7 +46,7 @@ void add_metric_options(CLI::App& verb, MetricOptions& o) {
   metric->excludes(size);
   verb.add_option("--complexity", o.numbers.complexity,
                   "scale the metric to this complexity; about 10 tetrahedra per unit")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
 }
 
 FieldSlice read_metric(const Comm& comm, const MeshSlice& mesh, const MetricOptions& o) {

@@ -23,12 +23,15 @@ struct Options {
   std::string method = "multilevel";
   bool json = false;
   GmfVersion format = GmfVersion::kLowest;
+  InputFiles inputs = InputFiles::kKept;
 };
 
 ExitCode run_partition(const Comm& comm, const Options& o) {
+  require_distinct(comm, {o.input}, {o.output}, o.inputs);
   require_input(comm, o.input, kMeshInputs);
   require_output(comm, o.output, kMeshOutputs);
   const MeshSlice mesh = read_mesh(comm, o.input);
+  require_tets(comm, mesh);
   DistMesh dist = distribute(comm, mesh);
 
   const int threads = settle_threads(comm, o.threads);
@@ -68,6 +71,7 @@ void add_partition(CLI::App& cli, Run& run) {
   add_threads_option(*verb, o->threads);
   verb->add_option("-o,--output", o->output, "the mesh with the part, from 0, as reference of the tetrahedra");
   add_format_option(*verb, o->format);
+  add_overwrite_option(*verb, o->inputs);
   verb->add_flag("--json", o->json, "print JSON");
   verb->footer("Example: skein partition wing.meshb --parts 16 -o parts.vtu");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return run_partition(comm, *o); }; });

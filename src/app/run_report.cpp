@@ -40,10 +40,13 @@ void add_run_options(CLI::App& verb, RunOptions& o) {
   verb.add_option("--metric-out", o.metric_out, "write the metric at the vertices of the new mesh (.sol, .solb)");
   add_threads_option(verb, o.threads);
   add_format_option(verb, o.format);
+  add_overwrite_option(verb, o.inputs);
   verb.add_flag("--quiet", o.quiet, "no progress");
 }
 
-void require_outputs(const Comm& comm, const RunOptions& o) {
+void require_outputs(const Comm& comm, const RunOptions& o, const std::vector<std::string>& inputs,
+                     const std::string& more) {
+  require_distinct(comm, inputs, {o.output, o.metric_out, o.report, more}, o.inputs);
   require_output(comm, o.output, kMeshOutputs);
   require_output(comm, o.metric_out, kFields);
   require_output(comm, o.report, {});

@@ -2,7 +2,9 @@
 #pragma once
 #include <CLI/App.hpp>
 #include <string>
+#include <vector>
 
+#include "app/files.hpp"
 #include "app/threads.hpp"
 #include "comm/comm.hpp"
 #include "comm/phase_log.hpp"
@@ -19,11 +21,14 @@ struct RunOptions {
   int threads = kThreadsNotGiven;  ///< see settle_threads
   bool quiet = false;
   GmfVersion format = GmfVersion::kLowest;
+  InputFiles inputs = InputFiles::kKept;
 };
 void add_run_options(CLI::App& verb, RunOptions& o);
 
-/// Collective. Throws Error(kOutput) unless all outputs can be made.
-void require_outputs(const Comm& comm, const RunOptions& o);
+/// Collective. Throws Error(kOutput) unless all outputs can be made, and Error(kUsage) as require_distinct() does.
+/// `more`: an output that is not among the options.
+void require_outputs(const Comm& comm, const RunOptions& o, const std::vector<std::string>& inputs,
+                     const std::string& more = {});
 
 /// The name under which a mesh is written that the end check has found wrong: out.mesh becomes out.suspect.mesh.
 std::string suspect_path(const std::string& output);

@@ -24,6 +24,7 @@ ExitCode stats(const Comm& comm, const Options& o) {
   require_input(comm, o.input, kMeshInputs);
   if (o.metric.given()) require_input(comm, o.metric.path(), kFields);
   const MeshSlice mesh = read_mesh(comm, o.input);
+  require_tets(comm, mesh);
   FieldSlice metric;
   if (o.metric.given()) metric = read_metric(comm, mesh, o.metric);
   DistributeOptions options;

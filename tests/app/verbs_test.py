@@ -154,6 +154,32 @@ class Verbs(Case):
                 self.assertEqual(text.code, 1)
                 self.assertIn("tetrahedron 6", text.out)
 
+    def test_check_of_surfaces_and_of_meshes_without_triangles(self):
+        surface, bare = self.path("s.mesh"), self.path("bare.mesh")
+        verts, tris = surface_only(self.verts, self.tris)
+        write_mesh(surface, verts, [], tris)
+        write_mesh(bare, self.verts, self.tets, [])
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                found = self.json(ranks, "check", surface)
+                self.assertTrue(found["valid"] and found["oriented"])
+                self.assertAlmostEqual(found["volume"], 1, delta=1e-12)
+                self.assertTrue(self.json(ranks, "check", bare)["valid"])
+        self.assertIn("encloses a volume of 1", self.done(1, "check", surface).out)
+        write_mesh(surface, verts, [], [tris[0][:2][::-1] + tris[0][2:], *tris[1:]])
+        found = self.json(2, "check", surface)
+        self.assertEqual((found["oriented"], found["volume"]), (False, 0))
+
+    def test_sections_that_are_not_kept_are_told_once(self):
+        odd = self.path("odd.mesh")
+        with open(self.good, encoding="ascii") as f:
+            text = f.read()
+        with open(odd, "w", encoding="ascii") as f:
+            f.write(text.replace("End", "Normals\n1\n0 0 1\nTangents\n1\n0 0 1\nEnd"))
+        for ranks in RANKS:
+            out = self.done(ranks, "convert", odd, self.path("even.mesh")).out
+            self.assertEqual(out.count("Normals, Tangents"), 1)
+
     def test_check_lists_ten_of_a_kind(self):
         bad = self.path("bad.mesh")
         write_mesh(bad, self.verts, self.tets, self.tris[20:])
