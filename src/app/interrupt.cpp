@@ -29,4 +29,8 @@ void end_cleanly_on_signals(const Comm& comm) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, end_now);
 }
 
+void let_signals_be() noexcept {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+}
+
 }  // namespace skein::app

@@ -110,6 +110,7 @@ int main(int argc, char** argv) {
   skein::app::end_cleanly_on_signals(comm);
   const skein::Comm farewell = skein::Comm::world();  // free of messages of work that was broken off
   const skein::ExitCode code = skein::app::guarded(comm, farewell, argc, argv);
+  skein::app::let_signals_be();
   farewell.barrier();  // rank 0 has spoken before any rank ends with an error, which makes mpirun end the others
   return static_cast<int>(code);
 }
