@@ -17,13 +17,24 @@ namespace skein {
 /// What is adapted, in slices.
 struct AdaptationInput {
   MeshSlice mesh;
-  FieldSlice values;  ///< at its vertices: what metric_values() gave, then the numbers to be carried to the new mesh
+  FieldSlice values;  ///< at its vertices: what metric_values() gave (of kMesh nothing, of kField any number of
+                      ///< scalars), then the numbers to be carried to the new mesh
   int carried = 0;    ///< how many of the numbers at a vertex are carried
 };
+
+/// How many there shall be in the result; 0: as many as the metric asks for. At most one is given, and then
+/// MetricPolicy::complexity is complexity_for() of it.
+struct WantedCount {
+  double elements = 0, vertices = 0;
+  [[nodiscard]] bool given() const noexcept { return elements > 0 || vertices > 0; }
+};
+/// The complexity whose unit mesh has about so many.
+double complexity_for(const WantedCount& wanted) noexcept;
 
 struct AdaptationOptions {
   DistributeOptions distribute;
   MetricPolicy metric;
+  WantedCount wanted;
   AdaptOptions adapt;
   EndCheckLimits end_check;
   /// Collective. Gets the result when the end check finds it wrong, before the error: to write it as suspect, say.

@@ -22,15 +22,17 @@ struct Options {
 
 ExitCode stats(const Comm& comm, const Options& o) {
   require_input(comm, o.input, kMeshInputs);
-  if (o.metric.given()) require_input(comm, o.metric.path(), kFields);
+  for (const std::string& path : o.metric.files()) require_input(comm, path, kFields);
   const MeshSlice mesh = read_mesh(comm, o.input);
   require_tets(comm, mesh);
   FieldSlice metric;
+  MetricPolicy policy = o.metric.numbers;
+  policy.source = o.metric.source();
   if (o.metric.given()) metric = read_metric(comm, mesh, o.metric);
   DistributeOptions options;
   options.metric_first = o.metric.field.empty();
   DistMesh dist = distribute(comm, mesh, o.metric.given() ? &metric : nullptr, options);
-  if (o.metric.given()) make_metric(comm, dist, o.metric.policy());
+  if (o.metric.given()) make_metric(comm, dist, policy);
   const MeshStatistics s = statistics(comm, dist, o.metric.given() ? Measure::kInMetric : Measure::kInSpace);
   if (comm.is_root()) fmt::print("{}", o.json ? to_json(s).dump() + "\n" : to_text(s));
   return ExitCode::kOk;

@@ -4,7 +4,7 @@ import os
 import unittest
 
 import runner
-from runner import Case, RANKS, read_rows, run, surface_only, write_mesh, write_solution
+from runner import Case, RANKS, isotropic, read_rows, run, surface_only, write_mesh, write_solution
 
 
 class Verbs(Case):
@@ -83,6 +83,63 @@ class Verbs(Case):
             with self.subTest(ranks=ranks):
                 self.done(ranks, "adapt", self.good, "--field", field, "--complexity", "60", "-o", out)
                 self.assert_valid_cube(out)
+
+    def adapted(self, *options, ranks=1):
+        """The report of an adaptation of good.mesh, and its mesh."""
+        out, report = self.path("o.mesh"), self.path("o.json")
+        self.done(ranks, "adapt", self.good, *options, "-o", out, "--report", report)
+        with open(report, encoding="utf-8") as f:
+            return json.load(f), out
+
+    def test_what_sizes_can_be_made_of(self):
+        told, _ = self.adapted("--size", "0.2", "--gradation", "0")
+        self.assertAlmostEqual(told["complexity"], 125, delta=1e-6)
+        self.assertEqual(told["options"]["size"], ["0.2"])
+        told, _ = self.adapted("--optim", ranks=2)
+        self.assertLess(abs(told["elements_out"] / len(self.tets) - 1), 0.3)
+        # the strictest of two
+        coarse = self.path("coarse.sol")
+        write_solution(coarse, [isotropic(0.5)] * len(self.verts))
+        told, _ = self.adapted("--metric", coarse, "--metric", self.metric)
+        self.assertAlmostEqual(told["complexity"], 64, delta=1e-6)
+        # one of several fields, by its number, and the only one of its kind
+        many = self.path("many.sol")
+        with open(many, "w", encoding="ascii") as f:
+            f.write(f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{len(self.verts)}\n3 1 1 3\n")
+            f.writelines(f"0 {x * x!r} 16 0 16 0 0 16\n" for x, _, _ in self.verts)
+        told, _ = self.adapted("--metric", many)
+        self.assertAlmostEqual(told["complexity"], 64, delta=1e-6)
+        told, _ = self.adapted("--field", many + ":2", "--elements", "2000")
+        self.assertLess(abs(told["elements_out"] / 2000 - 1), 0.05)
+        for words, wrong in ((["many.sol", "3 fields", "many.sol:1"], many), (["no field 9"], many + ":9")):
+            result = run(1, "adapt", self.good, "--field", wrong, "--complexity", "60", "-o", self.path("o.mesh"))
+            self.assertEqual(result.code, 3)
+            for word in words:
+                self.assertIn(word, result.err)
+
+    def test_a_constant_field_is_told(self):
+        flat = self.path("flat.sol")
+        write_solution(flat, [(3.5,)] * len(self.verts))
+        out = self.done(1, "adapt", self.good, "--field", flat, "--complexity", "60", "-o", self.path("o.mesh")).out
+        self.assertIn("the field is 3.5 everywhere", out)
+
+    def test_sources_local_sizes_and_frozen_patches(self):
+        sources, local = self.path("s.toml"), self.path("l.toml")
+        with open(sources, "w", encoding="ascii") as f:
+            f.write("size_max = 0.5\n[[point]]\nat = [0, 0, 0]\nspacing = 0.05\nr1 = 0.1\nr2 = 0.2\n")
+        told, out = self.adapted("--sources", sources)
+        self.assert_valid_cube(out)
+        near = sum(1 for x, y, z, _ in read_rows(out, "Vertices", 4) if max(x, y, z) < 0.2)
+        far = sum(1 for x, y, z, _ in read_rows(out, "Vertices", 4) if min(x, y, z) > 0.5)
+        self.assertGreater(near, 3 * far)
+        with open(local, "w", encoding="ascii") as f:
+            f.write("[names]\nfloor = 5\n[[patch]]\nname = \"floor\"\nsize = 0.1\n[[patch]]\nref = 6\nfreeze = true\n")
+        _, out = self.adapted("--size", "0.3", "--local", local, "--freeze-ref", "patch:1,2", ranks=2)
+        faces = [int(row[3]) for row in read_rows(out, "Triangles", 4)]
+        self.assertEqual([faces.count(ref) for ref in (1, 2, 6)], [18, 18, 18])
+        self.assertGreater(faces.count(5), 5 * 18)
+        result = run(1, "adapt", self.good, "--size", "0.3", "--freeze-ref", "77", "-o", out)
+        self.assertEqual((result.code, "no patch or region 77" in result.err), (3, True), result.err)
 
     def test_fields_travel(self):
         scalar, rest, sizes = self.path("p.sol"), self.path("rest.sol"), self.path("h.sol")
