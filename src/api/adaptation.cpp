@@ -70,6 +70,17 @@ void note_constant_field(const Comm& comm, const DistMesh& dist, const MetricPol
   }
 }
 
+/// Before the work: what it will come to. Seconds are rough: they hang on the processor and on how much there is to do.
+void note_prediction(const Comm& comm, const AdaptationReport& r, int threads, PhaseLog& log) {
+  constexpr double kTetsPerSecond = 1.2e5;  ///< and worker; measured on one core of a server, metrics of many kinds
+  const double workers = static_cast<double>(comm.size()) * threads;
+  log.note(fmt::format(
+      "expected: {} tetrahedra (complexity {:.4g}), {:.2g} GB in each process, about {:.0f} s where "
+      "each of the {:.0f} workers has a core",
+      grouped(std::llround(r.predicted_tets)), r.complexity, 1e-9 * kBytesPerTet * r.predicted_tets / comm.size(),
+      std::ceil(r.predicted_tets / (kTetsPerSecond * workers)), workers));
+}
+
 void note_transfer(PhaseLog& log, const TransferReport& r) {
   if (r.outside == 0) return;
   log.note(
@@ -211,34 +222,39 @@ EndCheckReport end_check(const Comm& comm, const Invariants& before, DistMesh& d
 }
 
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
-                        const std::function<void(const std::string&)>& step_done, EndCheckReport* checked) {
+                        const std::function<void(const std::string&)>& step_done, AdaptationReport* report) {
   const auto done = [&](const char* step) {
     if (step_done) step_done(step);
   };
   const int width = input.carried;
   DistMesh dist = distribute_input(comm, std::move(input), options, log);
 
+  AdaptationReport told;
   log.start("invariants");
   const Invariants before = invariants(comm, dist);
+  told.before = census(comm, dist);
   log.finish(local_tets(dist));
+  log.note("input: " + to_line(told.before));
 
   log.start("metric");
   VertFields fields = take_carried(dist, width);
   note_constant_field(comm, dist, options.metric, log);
   const MetricReport made = make_metric(comm, dist, options.metric);
-  require_affordable(comm, dist, options.metric.name, options.metric.max_tets);
+  told.complexity = made.complexity;
+  told.predicted_tets = require_affordable(comm, dist, options.metric.name, options.metric.max_tets);
   Carrier carrier(comm, dist, std::move(fields));
   log.finish(local_tets(dist));
   note_gradation(log, made, dist.global_verts);
   note_complexity(log, made, options.metric);
+  note_prediction(comm, told, options.adapt.threads, log);
   done("distribute");
 
   meet_wanted(comm, dist, options, made.complexity, log);
   done("adapt");
   log.start("end check");
-  EndCheckReport report = end_check(comm, before, dist, options);
+  told.end_check = end_check(comm, before, dist, options);
   log.finish(local_tets(dist));
-  if (checked != nullptr) *checked = std::move(report);
+  if (report != nullptr) *report = std::move(told);
   done("end check");
   if (!carrier.has_any()) return dist;
   carrier.arrive(dist, options.adapt.threads, log);

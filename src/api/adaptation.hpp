@@ -9,6 +9,7 @@
 #include "dist/dist_mesh.hpp"
 #include "dist/distribute.hpp"
 #include "mesh/mesh_slice.hpp"
+#include "report/census.hpp"
 #include "report/invariants.hpp"
 #include "solution/metric_policy.hpp"
 
@@ -30,6 +31,14 @@ struct WantedCount {
 };
 /// The complexity whose unit mesh has about so many.
 double complexity_for(const WantedCount& wanted) noexcept;
+
+/// What a run tells of itself, beside the log.
+struct AdaptationReport {
+  EndCheckReport end_check;
+  Census before;              ///< of the input
+  double predicted_tets = 0;  ///< of the metric, before the work
+  double complexity = 0;      ///< of the metric, before the work
+};
 
 struct AdaptationOptions {
   DistributeOptions distribute;
@@ -55,9 +64,9 @@ FieldSlice side_by_side(FieldSlice a, const FieldSlice& b);
 /// was found on the way a note. The input is freed as early as can be. The result has the logarithm of the metric in
 /// its column log_metric, and the carried numbers in `fields`. `step_done` is told the name of each part of the way
 /// when it is behind: "distribute", "adapt", "transfer" (if anything is carried). What the end check has
-/// compared comes into `checked`.
+/// compared, and what there was before, comes into `report`.
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
                         const std::function<void(const std::string&)>& step_done = {},
-                        EndCheckReport* checked = nullptr);
+                        AdaptationReport* report = nullptr);
 
 }  // namespace skein

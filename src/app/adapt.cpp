@@ -87,12 +87,12 @@ AdaptationInput read_input(const Comm& comm, const Options& o, RunRecord& record
   const auto note = [&](const std::string& line) { record.log.note(line); };
   input.mesh = read_mesh_noting(comm, o.input, note);
   require_tets(comm, input.mesh);
-  apply_to_entities(comm, o.policy.local, input.mesh);
   input.values = read_metric(comm, input.mesh, o.metric);
   const int metric_width = input.values.width;
   fields = read_fields_behind(comm, input.mesh, o.fields, input.values);
   input.carried = input.values.width - metric_width;
   merge_input(comm, o.merge, input.mesh, &input.values, note);
+  apply_to_entities(comm, o.policy.local, input.mesh);
   record.elements_in = input.mesh.tets.total, record.vertices_in = input.mesh.total_verts;
   record.log.finish(static_cast<std::int64_t>(input.mesh.tets.verts.size()));
   record.lap("read");
@@ -131,16 +131,20 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
   record.input = o.input;
   o.adapt.threads = o.run.threads;
   record.options = to_json(o);
+  note_head(comm, o.run.threads, record.log);
   note_threads(comm, o.run.threads, record.log);
   FieldsOut fields;
   AdaptationInput input = read_input(comm, o, record, fields);
   AdaptationOptions options = to_adaptation(o);
   if (o.policy.has_sources()) options.adapt.spacing = &options.metric.sources;
   options.suspect = [&](DistMesh&& dist) { write_suspect(comm, o.run.output, std::move(dist)); };
-  EndCheckReport checked;
+  AdaptationReport told;
   DistMesh dist = run_adaptation(
-      comm, std::move(input), options, record.log, [&](const std::string& step) { record.lap(step); }, &checked);
-  record.end_check = skein::to_json(checked);
+      comm, std::move(input), options, record.log, [&](const std::string& step) { record.lap(step); }, &told);
+  record.end_check = skein::to_json(told.end_check);
+  record.before = std::move(told.before);
+  record.predicted_tets = told.predicted_tets;
+  note_rounds(comm, record.log, o.adapt.rounds);
   record.finish(comm, std::move(dist), fields);
   return ExitCode::kOk;
 }

@@ -38,6 +38,7 @@ ExitCode run_generate(const Comm& comm, Options& o) {
   RunRecord record(comm, o.run);
   record.input = o.input;
   record.options = to_json(o);
+  note_head(comm, o.run.threads, record.log);
   note_threads(comm, o.run.threads, record.log);
 
   record.log.start("read");

@@ -4,8 +4,13 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "app/files.hpp"
 #include "app/large_blocks.hpp"
@@ -63,6 +68,35 @@ void write_suspect(const Comm& comm, const std::string& output, DistMesh dist) {
   write_mesh(comm, suspect_path(output), mesh);
 }
 
+void note_head(const Comm& comm, int threads, PhaseLog& log) {
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  const std::time_t now = std::time(nullptr);
+  char date[32] = "";
+  std::strftime(date, sizeof date, "%Y-%m-%d %H:%M:%S", std::localtime(&now));
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  std::string command(std::istreambuf_iterator<char>(in), {});
+  if (!command.empty() && command.back() == '\0') command.pop_back();
+  std::replace(command.begin(), command.end(), '\0', ' ');
+  log.note(fmt::format("skein {}, {} on {}: {} process{} x {} thread{}", SKEIN_VERSION, date, host, comm.size(),
+                       comm.size() == 1 ? "" : "es", threads, threads == 1 ? "" : "s"));
+  log.note(command);
+}
+
+void note_rounds(const Comm& comm, PhaseLog& log, int most) {
+  int rounds = 0;
+  for (const PhaseCost& p : log.phases()) {
+    if (p.name == "round 1: adapt") rounds = 0;  // it has begun again
+    if (p.name.starts_with("round ") && p.name.ends_with(": adapt")) ++rounds;
+  }
+  const char* why = comm.size() == 1 ? "one process has no interfaces to move"
+                    : rounds == 1    ? "the mesh was too small to be cut"
+                    : rounds < most  ? "nothing was left to do at the old interfaces"
+                    : rounds == most ? "as many as asked for"
+                                     : "the last ones mended what was left at old interfaces";
+  log.note(fmt::format("rounds: {} ({})", rounds, why));
+}
+
 PhaseLog::Output progress_output(const RunOptions& options) {
   if (options.quiet) return PhaseLog::Output::kQuiet;
   for (const char* name : kLaunchers) {
@@ -83,6 +117,8 @@ void RunRecord::lap(const std::string& name) {
 void RunRecord::finish(const Comm& comm, DistMesh dist, const FieldsOut& fields) {
   log.start("statistics");
   const MeshStatistics s = statistics(comm, dist, Measure::kInMetric, run_.threads);
+  const Census after = census(comm, dist);
+  const std::vector<WorstTet> worst = worst_tets(comm, dist, 1, Measure::kInMetric);
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   lap("statistics");
 
@@ -105,11 +141,30 @@ void RunRecord::finish(const Comm& comm, DistMesh dist, const FieldsOut& fields)
   log.finish(tets);
   lap("write");
 
+  note_result(s, after, worst);
+  Json report = to_json(comm, dist, skein::to_json(s));
+  report.update(skein::to_json(before, after));
+  if (!worst.empty()) report["worst"] = skein::to_json(worst[0]);
+  if (!run_.report.empty()) write_json(comm, run_.report, report);
+}
+
+void RunRecord::note_result(const MeshStatistics& s, const Census& after, const std::vector<WorstTet>& worst) {
+  if (!before.regions.empty()) {
+    log.note("elements before and after:");
+    for (const std::string& line : to_lines(before, after)) log.note(line);
+  }
+  if (predicted_tets > 0)
+    log.note(fmt::format("{:.1f} % of the {} tetrahedra expected; complexity {:.4g}",
+                         100 * static_cast<double>(s.tets) / predicted_tets, grouped(std::llround(predicted_tets)),
+                         s.complexity));
+  const double other = 100 - s.length.unit_share;
+  log.note(fmt::format(
+      "edges of a length in the metric below 0.71 or above 1.41: {:.2f} %; below 0.5: {:.3f} %, above 2: {:.3f} %",
+      other, s.length.below_half, s.length.above_two));
+  if (!worst.empty()) log.note("worst element: " + to_line(worst[0]));
   log.note(fmt::format(
       "{}: {} tetrahedra, {} vertices; unit edges {:.2f} %, quality min {:.3f}, 1 % {:.3f}, mean {:.3f}", run_.output,
       grouped(s.tets), grouped(s.vertices), s.length.unit_share, s.quality.min, s.quality.p1, s.quality.mean));
-  const Json report = to_json(comm, dist, skein::to_json(s));
-  if (!run_.report.empty()) write_json(comm, run_.report, report);
 }
 
 Json RunRecord::to_json(const Comm& comm, const DistMesh& dist, const Json& statistics) const {
@@ -127,6 +182,7 @@ Json RunRecord::to_json(const Comm& comm, const DistMesh& dist, const Json& stat
               {"elements_out", dist.global_tets},
               {"vertices_in", vertices_in},
               {"vertices_out", dist.global_verts},
+              {"elements_expected", predicted_tets > 0 ? Json(predicted_tets) : Json()},
               {"seconds", seconds},
               {"peak_bytes", comm.all_gather(peak_memory())},
               {"phases", phases}};

@@ -19,7 +19,7 @@ double predicted_tets(const Comm& comm, const DistMesh& dist) {
   return kResultTetsPerComplexity * comm.sum(sum);
 }
 
-void require_affordable(const Comm& comm, const DistMesh& dist, const std::string& name, double most) {
+double require_affordable(const Comm& comm, const DistMesh& dist, const std::string& name, double most) {
   const double tets = predicted_tets(comm, dist);
   const auto free = static_cast<double>(free_memory(comm));
   const double needed = kBytesPerTet * tets / comm.size();
@@ -38,6 +38,7 @@ void require_affordable(const Comm& comm, const DistMesh& dist, const std::strin
                       "machines; --max-elements N sets another limit",
                       name, tets, needed / kGiga, free / kGiga));
   });
+  return tets;
 }
 
 }  // namespace skein

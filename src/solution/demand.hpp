@@ -16,7 +16,7 @@ inline constexpr double kBytesPerTet = 160;
 double predicted_tets(const Comm& comm, const DistMesh& dist);
 
 /// Collective. Throws Error(kInput) on all ranks, with both numbers, when more tetrahedra are predicted than `most`,
-/// or, if that is 0, than there is memory for. `name` is what asks for them.
-void require_affordable(const Comm& comm, const DistMesh& dist, const std::string& name, double most);
+/// or, if that is 0, than there is memory for. `name` is what asks for them. Gives predicted_tets().
+double require_affordable(const Comm& comm, const DistMesh& dist, const std::string& name, double most);
 
 }  // namespace skein
