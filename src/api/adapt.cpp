@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "adapt/method_file.hpp"
@@ -170,7 +171,10 @@ class Watch {
   [[nodiscard]] PhaseObserver observer() {
     return {[this](const std::string& phase) { return tell(phase, false, 0); },
             [this](const PhaseCost& c) { return tell(c.name, true, c.elements); },
-            [this](const std::string& line) { notes_.push_back(line.substr(line.starts_with("note: ") ? 6 : 0)); }};
+            [this](const std::string& line) {
+              constexpr std::string_view kNote = "note: ";
+              if (line.starts_with(kNote)) notes_.push_back(line.substr(kNote.size()));
+            }};
   }
   /// Collective.
   void report(const Comm& comm, const PhaseLog& log, const MeshStatistics& s, Report& r) const {
