@@ -72,6 +72,7 @@ void note_constant_field(const Comm& comm, const DistMesh& dist, const MetricPol
 
 /// Before the work: what it will come to. Seconds are rough: they hang on the processor and on how much there is to do.
 void note_prediction(const Comm& comm, const AdaptationReport& r, int threads, PhaseLog& log) {
+  log.expect(std::llround(r.predicted_tets));
   constexpr double kTetsPerSecond = 1.2e5;  ///< and worker; measured on one core of a server, metrics of many kinds
   const double workers = static_cast<double>(comm.size()) * threads;
   log.note(fmt::format(

@@ -4,24 +4,36 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "app/field_transfer.hpp"
 #include "app/files.hpp"
 #include "app/merge_input.hpp"
 #include "app/verbs.hpp"
 #include "io/mesh_io.hpp"
+#include "report/cell_arrays.hpp"
 
 namespace skein::app {
 namespace {
 
 struct Options {
   std::string input, output;
+  std::vector<std::string> with;  ///< solutions that go into a picture
   std::optional<double> merge;
   GmfVersion format = GmfVersion::kLowest;
   InputFiles inputs = InputFiles::kKept;
 };
 
 ExitCode convert(const Comm& comm, const Options& o) {
-  require_distinct(comm, {o.input}, {o.output}, o.inputs);
+  std::vector<std::string> inputs = o.with;
+  inputs.push_back(o.input);
+  require_distinct(comm, inputs, {o.output}, o.inputs);
+  const bool vtk = has_ending(o.output, {".vtu", ".pvtu"});
+  agree(comm, [&] {
+    if (!o.with.empty() && (!vtk || o.merge))
+      throw Error(ExitCode::kUsage, "convert: --with needs an output .vtu or .pvtu, and goes without --merge");
+  });
+  for (const std::string& path : o.with) require_input(comm, path, kFields);
   if (has_ending(o.input, kFields)) {
     require_input(comm, o.input, kFields);
     require_output(comm, o.output, kFields);
@@ -35,7 +47,12 @@ ExitCode convert(const Comm& comm, const Options& o) {
   };
   MeshSlice mesh = read_mesh_noting(comm, o.input, note);
   merge_input(comm, o.merge, mesh, nullptr, note);
-  write_mesh(comm, o.output, mesh, nullptr, o.format);
+  FieldSlice drawn, cells;
+  if (vtk) {
+    drawn = read_together(comm, mesh, o.with);
+    cells = cell_arrays(comm, mesh);
+  }
+  write_mesh(comm, o.output, mesh, drawn.width > 0 ? &drawn : nullptr, o.format, vtk ? &cells : nullptr);
   return ExitCode::kOk;
 }
 
@@ -47,6 +64,8 @@ void add_convert(CLI::App& cli, Run& run) {
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb) or solution (.sol, .solb)")->required();
   auto* out = verb->add_option("OUT", o->output, "mesh (.mesh, .meshb, .vtu, .pvtu) or solution (.sol, .solb)");
   auto* named = verb->add_option("-o,--output", o->output, "the same as OUT")->excludes(out);
+  verb->add_option("--with", o->with, "solution at the vertices that goes into a .vtu or .pvtu; may be repeated")
+      ->allow_extra_args(false);
   add_merge_option(*verb, o->merge);
   add_format_option(*verb, o->format);
   add_overwrite_option(*verb, o->inputs);

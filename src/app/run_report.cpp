@@ -18,6 +18,7 @@
 #include "base/text.hpp"
 #include "dist/gather_slices.hpp"
 #include "io/mesh_io.hpp"
+#include "report/cell_arrays.hpp"
 #include "report/statistics.hpp"
 #include "report/statistics_json.hpp"
 
@@ -106,7 +107,10 @@ PhaseLog::Output progress_output(const RunOptions& options) {
 }
 
 RunRecord::RunRecord(const Comm& comm, const RunOptions& options)
-    : log(comm, progress_output(options)), run_(options), begin_(wall_time()), lap_(begin_) {}
+    : log(comm, progress_output(options)), run_(options), begin_(wall_time()), lap_(begin_) {
+  constexpr double kSeconds = 30;
+  log.beat_every(kSeconds);
+}
 
 void RunRecord::lap(const std::string& name) {
   const double now = wall_time();
@@ -129,12 +133,18 @@ void RunRecord::finish(const Comm& comm, DistMesh dist, const FieldsOut& fields)
     values = to_field_slices(comm, dist, fields.kinds);
     values.names = fields.names;
   }
+  FieldSlice drawn, cells;
+  const bool vtk = has_ending(run_.output, {".vtu", ".pvtu"});
+  if (vtk) {
+    drawn = with_metric_arrays(comm, dist, values);
+    cells = cell_arrays(comm, dist, Measure::kInMetric);
+  }
   if (!run_.metric_out.empty()) metric = metric_slices(comm, dist);
   MeshSlice mesh = to_slices(comm, dist);
   // The system copies what is written, and memory that it has back is faster than such as nobody has used before.
   dist.mesh = {}, dist.vert2gid = {};
   give_back_spare_blocks();
-  write_mesh(comm, run_.output, mesh, fields.kinds.empty() ? nullptr : &values, run_.format);
+  write_mesh(comm, run_.output, mesh, vtk ? &drawn : nullptr, run_.format, vtk ? &cells : nullptr);
   mesh = {};
   if (!fields.path.empty()) write_fields(comm, fields.path, values, run_.format);
   if (!run_.metric_out.empty()) write_fields(comm, run_.metric_out, metric, run_.format);

@@ -26,10 +26,13 @@ void write_medit_mesh(const Comm& comm, const std::string& path, const MeshSlice
 void write_medit_fields(const Comm& comm, const std::string& path, const FieldSlice& fields);
 
 // VTK XML
-/// One file for all ranks: tetrahedra, then triangles; cell array "ref"; point arrays from `fields` (may be nullptr).
-void write_vtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields);
+/// One file for all ranks: tetrahedra, then triangles; cell array "ref"; point arrays from `fields`, cell arrays from
+/// `on_tets` (nullptr: none).
+void write_vtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields,
+               const FieldSlice* on_tets);
 /// <stem>_<rank>.vtu for each rank's cells with the vertices they need, and the index `path`.
-void write_pvtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields);
+void write_pvtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields,
+                const FieldSlice* on_tets);
 /// Text as it may stand inside a quoted XML attribute.
 std::string xml_escaped(const std::string& s);
 /// The XML attributes that describe field i: name, components and their names.

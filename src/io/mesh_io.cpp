@@ -85,14 +85,14 @@ FieldSlice read_fields(const Comm& comm, const std::string& path) {
 }
 
 void write_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields,
-                GmfVersion version) {
+                GmfVersion version, const FieldSlice* on_tets) {
   require_mesh(comm, path, mesh);
   const bool vtk = is(path, ".vtu") || is(path, ".pvtu");
   if (vtk && fields != nullptr) require_same_verts(comm, path, mesh, *fields);
   if (is(path, ".meshb")) return io::write_gmf_mesh(comm, path, mesh, version);
   if (is(path, ".mesh")) return io::write_medit_mesh(comm, path, mesh);
-  if (is(path, ".vtu")) return io::write_vtu(comm, path, mesh, fields);
-  if (is(path, ".pvtu")) return io::write_pvtu(comm, path, mesh, fields);
+  if (is(path, ".vtu")) return io::write_vtu(comm, path, mesh, fields, on_tets);
+  if (is(path, ".pvtu")) return io::write_pvtu(comm, path, mesh, fields, on_tets);
   refuse_ending(comm, ExitCode::kOutput, path, ".mesh, .meshb, .vtu, .pvtu");
 }
 

@@ -22,10 +22,11 @@ MeshSlice read_mesh(const Comm& comm, const std::string& path);
 /// Collective. Writes .mesh, .meshb, .vtu or .pvtu (format by the ending); the slices may be of any size, in rank order
 /// (first must be the sum of the lower ranks' sizes). Written under a temporary name, then renamed. The bytes of .mesh,
 /// .meshb and .vtu depend on the mesh only, not on the ranks; .pvtu writes one piece <stem>_<rank>.vtu per rank.
-/// `version` is that of .meshb; Error(kOutput) on all ranks when the mesh does not fit it. `fields` goes into .vtu and
-/// .pvtu only (.mesh and .meshb have no place for it: write_fields).
+/// `version` is that of .meshb; Error(kOutput) on all ranks when the mesh does not fit it. `fields` at the
+/// vertices and `on_tets`, scalars at the tetrahedra of the slice, go into .vtu and .pvtu only (.mesh and .meshb have
+/// no place for them: write_fields).
 void write_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields = nullptr,
-                GmfVersion version = GmfVersion::kLowest);
+                GmfVersion version = GmfVersion::kLowest, const FieldSlice* on_tets = nullptr);
 /// Collective. .sol or .solb. Throws Error(kInput) on all ranks as read_mesh does; values that are not finite are
 /// refused with vertex and field. Whether `total` fits the mesh is for the caller to check.
 FieldSlice read_fields(const Comm& comm, const std::string& path);
