@@ -22,10 +22,10 @@ struct Options {
 
 Json to_json(const Options& o) {
   Json j{{"verb", "generate"}};
-  if (!o.sources.empty()) j["sources"] = o.sources;
-  if (o.generate.size_max < 1e300) j["size_max"] = o.generate.size_max;
+  j["sources"] = o.sources;
+  j["size_max"] = o.generate.size_max < 1e300 ? Json(o.generate.size_max) : Json();
   j["growth"] = o.generate.growth, j["ridge_angle"] = o.generate.ridge_angle;
-  j["keep_surface"] = o.generate.keep_surface;
+  j["keep_surface"] = o.generate.keeps_surface();
   j["rounds"] = o.generate.adapt.rounds, j["threads"] = o.generate.adapt.threads;
   return j;
 }
@@ -37,13 +37,13 @@ ExitCode run_generate(const Comm& comm, Options& o) {
   o.generate.adapt.threads = o.run.threads;
   RunRecord record(comm, o.run);
   record.input = o.input;
-  record.options = to_json(o);
   note_head(comm, o.run.threads, record.log);
   note_threads(comm, o.run.threads, record.log);
 
   record.log.start("read");
   const MeshSlice surface = read_mesh_noting(comm, o.input, [&](const std::string& line) { record.log.note(line); });
   if (!o.sources.empty()) o.generate.sources = read_sources(comm, o.sources);
+  record.options = to_json(o);
   record.elements_in = surface.triangles.total, record.vertices_in = surface.total_verts;
   record.log.finish(0);
   record.lap("read");
@@ -67,7 +67,14 @@ void add_generate(CLI::App& cli, Run& run) {
       ->check(positive());
   verb->add_option("--ridge-angle", o->generate.ridge_angle, "surface edges folded more than this are kept, degrees")
       ->check(CLI::Range(0.0, 180.0));
-  verb->add_flag("--keep-surface", o->generate.keep_surface, "keep the surface triangles as they are");
+  using Surface = GenerateOptions::Surface;
+  auto* keep = verb->add_flag_callback(
+      "--keep-surface", [o] { o->generate.surface = Surface::kKept; },
+      "keep the surface triangles as they are; so it is without --sources and --size-max");
+  verb->add_flag_callback(
+          "--remesh-surface", [o] { o->generate.surface = Surface::kRemeshed; },
+          "adapt the surface to its own spacing, also where no sizes are given")
+      ->excludes(keep);
   verb->add_option("--rounds", o->generate.adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
   verb->footer("Example: mpirun -n 2 skein generate wing-body.mesh --sources wing.toml -o wing-body.meshb");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return run_generate(comm, *o); }; });

@@ -52,6 +52,18 @@ class Verbs(Case):
                 for name in ("total", "read", "distribute", "adapt", "write"):
                     self.assertIn(name, told["seconds"])
                 self.assertIn("insert", {name for p in told["phases"] for name in p["operations"]})
+                for words in ("skein 0", "input: 1 region", "expected: ", "rounds: ", "worst element: quality"):
+                    self.assertEqual(result.out.count(words), 1, words)
+                self.assertLess(abs(told["elements_expected"] / told["elements_out"] - 1), 0.2)
+                self.assertEqual([p["ref"] for p in told["patches"]], [1, 2, 3, 4, 5, 6])
+                for p in told["patches"]:
+                    self.assertEqual(p["elements_in"], 18)
+                    self.assertAlmostEqual(p["area_in"], 1, delta=1e-12)
+                    self.assertAlmostEqual(p["area_out"], 1, delta=1e-12)
+                self.assertEqual(told["regions"][0]["elements_out"], told["elements_out"])
+                self.assertAlmostEqual(told["worst"]["quality"], told["quality"]["min"], delta=1e-9)
+                for key in ("hmin", "hmax", "gradation", "norm", "max_elements", "merge", "optim"):
+                    self.assertIn(key, told["options"])
                 # the files written tell the same as the report
                 stats = self.json(ranks, "stats", out, "--metric", metric)
                 self.assertEqual(stats["edges"], told["edges"])
@@ -256,6 +268,55 @@ class Verbs(Case):
         plain = self.done(2, "stats", self.good).out
         self.assertIn("dihedral", plain)
         self.assertNotIn("quality", plain)
+
+    def mean_ratio(self, tet):
+        """36/3^(1/3) V^(2/3) over the sum of the squares of the edges."""
+        x = [self.verts[v] for v in tet]
+        e = [[x[k][i] - x[0][i] for i in range(3)] for k in (1, 2, 3)]
+        cross = [e[1][(i + 1) % 3] * e[2][(i + 2) % 3] - e[1][(i + 2) % 3] * e[2][(i + 1) % 3] for i in range(3)]
+        volume = sum(c * d for c, d in zip(e[0], cross)) / 6
+        squares = sum((p - q) ** 2 for i in range(4) for j in range(i) for p, q in zip(x[i], x[j]))
+        return 36 / 3 ** (1 / 3) * volume ** (2 / 3) / squares
+
+    def test_where_it_is_bad(self):
+        bad = self.path("bad.mesh")
+        inside = next(v for v, x in enumerate(self.verts) if all(0 < c < 1 for c in x))
+        self.verts[inside] = (0.15, 0.3, 0.2)
+        write_mesh(bad, self.verts, self.tets, self.tris)
+        qualities = [self.mean_ratio(t) for t in self.tets]
+        for ranks in RANKS:
+            found = self.json(ranks, "stats", bad, "--worst", "3")["worst"]
+            for w, q in zip(found, sorted(qualities)[:3]):
+                self.assertAlmostEqual(w["quality"], q, delta=1e-12)
+                self.assertAlmostEqual(qualities[w["tetrahedron"] - 1], q, delta=1e-12)
+                corners = [self.verts[v] for v in self.tets[w["tetrahedron"] - 1]]
+                for k in range(3):
+                    self.assertAlmostEqual(w["at"][k], sum(x[k] for x in corners) / 4, delta=1e-12)
+        self.assertIn(f"tetrahedron {found[0]['tetrahedron']}: quality", self.done(1, "stats", bad, "--worst", "1").out)
+
+    def test_pictures_have_what_there_is_to_see(self):
+        arrays = ("ref", "quality", "edge_length", "aspect_ratio", "min_dihedral", "part")
+        with_field, adapted = self.path("w.vtu"), self.path("a.pvtu")
+        field = self.path("mach.sol")
+        write_solution(field, [(x,) for x, _, _ in self.verts])
+        self.done(2, "convert", self.good, with_field, "--with", field, "--with", self.metric)
+        self.done(2, "adapt", self.good, "--size", "0.3", "-o", adapted)
+        for path, more in ((with_field, ("mach", "good")), (adapted, ("size", "metric"))):
+            with open(path, "rb") as f:
+                head = f.read(4000).decode("latin-1")
+            for name in arrays + more:
+                self.assertIn(f'Name="{name}"', head)
+        result = run(1, "convert", self.good, self.path("x.mesh"), "--with", field)
+        self.assertEqual((result.code, ".vtu" in result.err), (2, True))
+
+    def test_generate_keeps_the_surface_unless_sizes_are_given(self):
+        surface, out = self.path("s.mesh"), self.path("g.mesh")
+        verts, tris = surface_only(self.verts, self.tris)
+        write_mesh(surface, verts, [], tris)
+        for options, kept in (((), True), (("--size-max", "0.2"), False), (("--size-max", "0.2", "--keep-surface"), True)):
+            done = self.done(1, "generate", surface, "-o", out, *options)
+            self.assertEqual(len(read_rows(out, "Triangles", 4)) == len(tris), kept, options)
+            self.assertEqual("surface triangulation is kept" in done.out, options == ())
 
     def assert_close(self, a, b):
         for name in a:
