@@ -183,7 +183,7 @@ std::map<std::string, std::int64_t> PhaseLog::all_counts() const {
 
 void PhaseLog::print(const PhaseCost& cost) const {
   if (output_ == Output::kQuiet || !comm_->is_root()) return;
-  fmt::print("{}[{:8.1f} s]  {:<19} {:>15} tets {:9.2f} s  balance {:3.0f} %{}\n",
+  fmt::print("{}[{:8.1f} s]  {:<19} {:>15} tets {:9.2f} s  load balance {:3.0f} %{}\n",
              output_ == Output::kTerminal ? "\r" : "", elapsed(), cost.name, grouped(cost.elements), cost.seconds_max,
              cost.balance, output_ == Output::kTerminal ? "\033[K" : "");
   std::fflush(stdout);

@@ -13,6 +13,7 @@
 #include "api/adaptation.hpp"
 #include "app/field_transfer.hpp"
 #include "app/files.hpp"
+#include "app/help.hpp"
 #include "app/merge_input.hpp"
 #include "app/metric_input.hpp"
 #include "app/numbers.hpp"
@@ -59,7 +60,7 @@ Json or_null(bool given, T&& value) {
 Json to_json(const Options& o) {
   const MetricOptions& m = o.metric;
   const MetricPolicy& n = o.policy;
-  Json j{{"verb", "adapt"}};
+  Json j{{"command", "adapt"}};
   j["metric"] = m.metric, j["size"] = m.size, j["field"] = m.field, j["optim"] = m.optim;
   j["sources"] = m.sources, j["local"] = m.local, j["freeze_ref"] = m.freeze;
   j["norm"] = std::isinf(n.norm) ? Json("inf") : Json(n.norm);
@@ -153,11 +154,14 @@ ExitCode run_adapt(const Comm& comm, Options& o) {
 void add_method_options(CLI::App& verb, Options& o) {
   std::vector<std::string> names;
   for (const Preset& p : presets()) names.emplace_back(p.name);
-  auto* preset = verb.add_option("--method-preset", o.preset, "method with its numbers")->check(CLI::IsMember(names));
+  auto* preset = verb.add_option("--method-preset", o.preset, "method with its numbers: default, chapter or quick")
+                     ->check(CLI::IsMember(names));
   verb.add_option("--config", o.config, "numbers of the method (TOML, as --dump-config prints them)")->excludes(preset);
   verb.add_flag("--dump-config", o.dump_config, "print the method with all its numbers, and end");
-  verb.add_option("--points", o.points, "how points are created")->check(CLI::IsMember({"edges", "centroid"}));
-  verb.add_option("--smoothing", o.smoothing, "how vertices are moved")->check(CLI::IsMember({"quality", "springs"}));
+  verb.add_option("--points", o.points, "how points are created: edges or centroid")
+      ->check(CLI::IsMember({"edges", "centroid"}));
+  verb.add_option("--smoothing", o.smoothing, "how vertices are moved: quality or springs")
+      ->check(CLI::IsMember({"quality", "springs"}));
 }
 
 }  // namespace
@@ -166,17 +170,31 @@ void add_adapt(CLI::App& cli, Run& run) {
   auto o = std::make_shared<Options>();
   CLI::App* verb = cli.add_subcommand("adapt", "Adapt a mesh to a metric, to sizes, or to a solution");
   auto* in = verb->add_option("IN", o->input, "mesh (.mesh, .meshb)");
-  add_run_options(*verb, o->run);
-  verb->get_option("--output")->required(false);  // neither is needed with --dump-config
   add_metric_options(*verb, o->metric);
   add_adapt_metric_options(*verb, o->metric);
+  add_run_options(*verb, o->run);
+  verb->get_option("--output")->required(false);  // neither is needed with --dump-config
   add_field_options(*verb, o->fields);
   add_merge_option(*verb, o->merge);
-  verb->add_option("--rounds", o->adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
+  verb->add_option("--rounds", o->adapt.rounds,
+                   "rounds over the processes (MPI ranks), at most: in each the borders between them move (3)")
+      ->check(CLI::Range(1, 100));
   add_method_options(*verb, *o);
   verb->add_option("--ridge-angle", o->ridge_angle, "surface edges folded more than this are kept, degrees")
       ->check(CLI::Range(0.0, 180.0));
   verb->add_flag("--no-surface", o->no_surface, "keep the boundary triangles as they are");
+  group(
+      *verb, "What the mesh is adapted to",
+      {"--metric", "--size", "--field", "--optim", "--sources", "--complexity", "--elements", "--vertices", "--norm"});
+  group(*verb, "Bounds, and what stays",
+        {"--hmin", "--hmax", "--aspect-max", "--gradation", "--local", "--freeze-ref", "--no-surface", "--ridge-angle",
+         "--max-elements"});
+  group(*verb, "Files",
+        {"--output", "--field-in", "--field-out", "--metric-out", "--report", "--format-version", "--overwrite-input",
+         "--merge"});
+  group(
+      *verb, "Method and run",
+      {"--rounds", "--threads", "--quiet", "--method-preset", "--config", "--dump-config", "--points", "--smoothing"});
   verb->footer("Example: mpirun -n 4 skein adapt wing.meshb --metric wing.solb --complexity 50000 -o fine.meshb");
   verb->callback([o, in, verb, &run] {
     for (const CLI::Option* needed : {in, verb->get_option("--output")}) {

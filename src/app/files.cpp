@@ -16,7 +16,7 @@ namespace {
 
 void require_ending(ExitCode code, const std::string& path, std::initializer_list<const char*> endings) {
   if (endings.size() == 0 || has_ending(path, endings)) return;
-  throw Error(code, fmt::format("{}: unknown ending; use one of {}", path, fmt::join(endings, ", ")));
+  throw Error(code, fmt::format("{}: unknown file extension; use one of {}", path, fmt::join(endings, ", ")));
 }
 
 /// One file under two names, also by links.

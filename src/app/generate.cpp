@@ -21,7 +21,7 @@ struct Options {
 };
 
 Json to_json(const Options& o) {
-  Json j{{"verb", "generate"}};
+  Json j{{"command", "generate"}};
   j["sources"] = o.sources;
   j["size_max"] = o.generate.size_max < 1e300 ? Json(o.generate.size_max) : Json();
   j["growth"] = o.generate.growth, j["ridge_angle"] = o.generate.ridge_angle;
@@ -75,7 +75,9 @@ void add_generate(CLI::App& cli, Run& run) {
           "--remesh-surface", [o] { o->generate.surface = Surface::kRemeshed; },
           "adapt the surface to its own spacing, also where no sizes are given")
       ->excludes(keep);
-  verb->add_option("--rounds", o->generate.adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
+  verb->add_option("--rounds", o->generate.adapt.rounds,
+                   "rounds over the processes (MPI ranks), at most: in each the borders between them move (3)")
+      ->check(CLI::Range(1, 100));
   verb->footer("Example: mpirun -n 2 skein generate wing-body.mesh --sources wing.toml -o wing-body.meshb");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return run_generate(comm, *o); }; });
 }

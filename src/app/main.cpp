@@ -10,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/help.hpp"
 #include "app/interrupt.hpp"
 #include "app/large_blocks.hpp"
 #include "app/spelling.hpp"
@@ -37,7 +38,7 @@ ExitCode report_parse_result(const Comm& comm, const CLI::App& cli, const CLI::P
   }
   std::string verb;
   for (const CLI::App* sub : cli.get_subcommands()) verb = " " + sub->get_name();
-  print_error(fmt::format("{}; see: skein{} --help", e.what(), verb));
+  print_error(fmt::format("{}; see: skein{} --help", verb.empty() ? "a command is required" : e.what(), verb));
   return ExitCode::kUsage;
 }
 
@@ -60,10 +61,11 @@ ExitCode fail_perhaps_alone(const Comm& comm, const Comm& farewell, ExitCode cod
 
 ExitCode parse_and_run(const Comm& comm, int argc, char** argv) {
   CLI::App cli{"Skein remeshes tetrahedral meshes in parallel."};
+  use_narrow_help(cli);
   cli.set_version_flag("--version", "skein " SKEIN_VERSION);
   cli.require_subcommand(1);
   cli.footer(
-      "Each verb has its own --help. To use N processes: mpirun -n N skein ...\n"
+      "Each command has its own --help. To use N processes: mpirun -n N skein ...\n"
       "Exit codes: 0 done, 1 mesh not valid, 2 command line, 3 input, 4 output, 5 internal, 130 interrupted.");
   Run run;
   add_adapt(cli, run);
@@ -72,6 +74,7 @@ ExitCode parse_and_run(const Comm& comm, int argc, char** argv) {
   add_stats(cli, run);
   add_convert(cli, run);
   add_partition(cli, run);
+  for (CLI::App* command : cli.get_subcommands({})) command->group("Commands");
   agree(comm, [&] { refuse_misspelt(cli, {argv, static_cast<std::size_t>(argc)}); });
   try {
     cli.parse(argc, argv);

@@ -155,7 +155,8 @@ void add_metric_options(CLI::App& verb, MetricOptions& o) {
       ->allow_extra_args(false)
       ->excludes(metric);
   verb.add_option("--complexity", o.numbers.complexity,
-                  "scale the metric to this complexity; about 10 tetrahedra per unit")
+                  "scale the metric to this complexity: the volume of the mesh as the metric measures it; about 11 "
+                  "tetrahedra per unit")
       ->check(positive());
 }
 
@@ -191,6 +192,7 @@ void add_adapt_metric_options(CLI::App& verb, MetricOptions& o) {
   verb.add_option("--local", o.local, "sizes, bounds and freezing by patch and region (TOML)");
   verb.add_option("--freeze-ref", o.freeze, "patches and regions that stay as they are: R,... or patch:R, region:R")
       ->delimiter(',')
+      ->type_name("R,...")
       ->allow_extra_args(false);
 }
 

@@ -62,7 +62,7 @@ ExitCode run_partition(const Comm& comm, const Options& o) {
 
 void add_partition(CLI::App& cli, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = cli.add_subcommand("partition", "Cut a mesh into parts of equal size with short interfaces");
+  CLI::App* verb = cli.add_subcommand("partition", "Cut a mesh into parts, tell how good the cut is");
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb)")->required();
   verb->add_option("--parts", o->parts, "number of parts")->required()->check(CLI::Range(1, 1 << 20));
   verb->add_option("--method", o->method, "multilevel: short interfaces; hilbert: pieces of a curve, quick")

@@ -168,13 +168,15 @@ void RunRecord::note_result(const MeshStatistics& s, const Census& after, const 
                          100 * static_cast<double>(s.tets) / predicted_tets, grouped(std::llround(predicted_tets)),
                          s.complexity));
   const double other = 100 - s.length.unit_share;
-  log.note(fmt::format(
-      "edges of a length in the metric below 0.71 or above 1.41: {:.2f} %; below 0.5: {:.3f} %, above 2: {:.3f} %",
-      other, s.length.below_half, s.length.above_two));
+  log.note(
+      fmt::format("edges far from unit length (below 0.71 or above 1.41 in the metric): {:.2f} %; below 0.5: {:.3f} %, "
+                  "above 2: {:.3f} %",
+                  other, s.length.below_half, s.length.above_two));
   if (!worst.empty()) log.note("worst element: " + to_line(worst[0]));
   log.note(fmt::format(
-      "{}: {} tetrahedra, {} vertices; unit edges {:.2f} %, quality min {:.3f}, 1 % {:.3f}, mean {:.3f}", run_.output,
-      grouped(s.tets), grouped(s.vertices), s.length.unit_share, s.quality.min, s.quality.p1, s.quality.mean));
+      "{}: {} tetrahedra, {} vertices; edges near unit length {:.2f} %, quality min {:.3f}, 1 % {:.3f}, mean {:.3f}",
+      run_.output, grouped(s.tets), grouped(s.vertices), s.length.unit_share, s.quality.min, s.quality.p1,
+      s.quality.mean));
 }
 
 Json RunRecord::to_json(const Comm& comm, const DistMesh& dist, const Json& statistics) const {

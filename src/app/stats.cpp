@@ -75,7 +75,7 @@ ExitCode stats(const Comm& comm, const Options& o) {
 
 void add_stats(CLI::App& cli, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = cli.add_subcommand("stats", "Sizes, edge lengths and quality in a metric, dihedral angles");
+  CLI::App* verb = cli.add_subcommand("stats", "Edge lengths, quality and angles; the worst elements");
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb)")->required();
   add_metric_options(*verb, o->metric);
   verb->add_option("--worst", o->worst, "list so many elements of least quality, and where they are")

@@ -18,7 +18,7 @@ bool is(const std::string& path, std::string_view ending) { return path.ends_wit
 /// Collective. Throws on all ranks.
 void refuse_ending(const Comm& comm, ExitCode code, const std::string& path, std::string_view known) {
   agree(comm, [&] {
-    throw Error(code, fmt::format("{}: the format is told by the ending, and this is none of {}", path, known));
+    throw Error(code, fmt::format("{}: the file extension says the format, and this is none of {}", path, known));
   });
 }
 

@@ -52,7 +52,7 @@ class Errors(Case):
     # command line
 
     def test_usage(self):
-        self.refused(USAGE, ["subcommand"], ranks_tried=(1,))
+        self.refused(USAGE, ["command is required"], ranks_tried=(1,))
         self.refused(USAGE, ["adpt", "not a command", "'adapt'"], "adpt", ranks_tried=(1,))
         self.refused(USAGE, ["IN"], "adapt", ranks_tried=(1,))
         self.refused(USAGE, ["--metric", "--size"], "adapt", self.good, "-o", self.path("out.meshb"), ranks_tried=(1,))

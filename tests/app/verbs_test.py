@@ -28,10 +28,13 @@ class Verbs(Case):
     def test_help_and_version(self):
         for ranks in RANKS:
             with self.subTest(ranks=ranks):
+                self.assertLessEqual(max(map(len, self.done(ranks, "--help").out.splitlines())), 80)
                 self.assertEqual(self.done(ranks, "--version").out.count("skein "), 1)
                 for verb in ("adapt", "generate", "check", "stats", "convert", "partition"):
                     if ranks == 1 or verb == "adapt":
-                        self.assertEqual(self.done(ranks, verb, "--help").out.count("Example: "), 1)
+                        text = self.done(ranks, verb, "--help").out
+                        self.assertEqual(text.count("Example: "), 1)
+                        self.assertLessEqual(max(map(len, text.splitlines())), 80)
 
     def test_adapt(self):
         for ranks in RANKS:
