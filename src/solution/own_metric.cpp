@@ -45,7 +45,7 @@ std::vector<SymTensor> own_log_metric(const Comm& comm, const DistMesh& dist) {
   Halo(comm, dist.sharing).sum<double>(sum, kWidth);
   std::vector<SymTensor> log_metric(dist.mesh.vert_slots());
   for (std::size_t v = 0; v < log_metric.size(); ++v) log_metric[v] = log_of_inverse(sum.data() + v * kWidth);
-  const double wanted = static_cast<double>(dist.global_tets) / kTetsPerComplexity;
+  const double wanted = static_cast<double>(dist.global_tets) / kResultTetsPerComplexity;
   scale_complexity(wanted / complexity_from_log(comm, dist, log_metric), log_metric);
   return log_metric;
 }

@@ -10,8 +10,8 @@ namespace skein {
 
 /// Collective. The logarithm of M = (3 C)^-1 at each local vertex, C the mean of e e' over the edges e at the vertex,
 /// each as often as there are tetrahedra at it: edges that point evenly in all directions have the length 1 in it in
-/// the mean, stretched ones give a stretched metric. Scaled so that a unit mesh of it has as many tetrahedra as this
-/// one. Equal on all copies of a vertex.
+/// the mean, stretched ones give a stretched metric. Scaled so that an adaptation to it gives as many tetrahedra as
+/// this one. Equal on all copies of a vertex.
 std::vector<SymTensor> own_log_metric(const Comm& comm, const DistMesh& dist);
 
 }  // namespace skein

@@ -141,7 +141,7 @@ TEST(OwnMetric, KeepsTheNumberOfTetrahedraAndTheStretch) {
   DistMesh dist = test::DealtCube{8, 0.1}.part(world());
   for (Vec3& x : dist.mesh.coords) x.z *= 0.1;
   const auto own = own_log_metric(world(), dist);
-  EXPECT_NEAR(complexity_from_log(world(), dist, own) * kTetsPerComplexity, double(dist.global_tets),
+  EXPECT_NEAR(complexity_from_log(world(), dist, own) * kResultTetsPerComplexity, double(dist.global_tets),
               1e-6 * double(dist.global_tets));
   for (const SymTensor& l : own) EXPECT_GT(l.zz - l.xx, 2 * std::log(5)) << "ten times as fine across as along";
 }
