@@ -65,7 +65,7 @@ std::size_t choose(const FieldSlice& f, const FieldPath& path, FieldKind want) {
 
 /// The field of the file that is wanted, with a value for every vertex. Throws.
 FieldSlice fitting(const FieldSlice& f, const FieldPath& path, const MeshSlice& mesh, FieldKind want) {
-  const FieldSlice one = one_field(f, choose(f, path, want));
+  FieldSlice one = one_field(f, choose(f, path, want));
   if (one.kinds[0] != want) {
     const char* advice = want == FieldKind::kScalar ? "use --metric for symmetric tensors"
                                                     : "use --size for sizes, or --field for a solution";
