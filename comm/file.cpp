@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -112,10 +114,46 @@ void InputFile::read(std::int64_t at, std::span<std::byte> out) const {
                    at, impl_->size));
 }
 
+namespace {
+
+/// The names of temporary files where a signal handler finds them. Files beyond the last slot are left behind then.
+struct Slot {
+  std::atomic<bool> taken = false, filled = false;
+  std::array<char, 4096> path{};
+};
+std::array<Slot, 8> slots;
+
+Slot* remember(const std::string& path) noexcept {
+  if (path.size() >= Slot{}.path.size()) return nullptr;
+  for (Slot& s : slots) {
+    if (s.taken.exchange(true)) continue;
+    std::copy(path.begin(), path.end(), s.path.begin());
+    s.path[path.size()] = '\0';
+    s.filled = true;
+    return &s;
+  }
+  return nullptr;
+}
+
+void forget(Slot* slot) noexcept {
+  if (slot == nullptr) return;
+  slot->filled = false;
+  slot->taken = false;
+}
+
+}  // namespace
+
+void remove_temporary_files() noexcept {
+  for (Slot& s : slots) {
+    if (s.filled) ::unlink(s.path.data());
+  }
+}
+
 struct OutputFile::Impl {
   Impl(const Comm& c, std::string p) : comm(c), path(std::move(p)) {}
   ~Impl() {
     file.reset();
+    forget(slot);
     if (comm.is_root() && !committed && !temporary.empty()) ::unlink(temporary.c_str());
   }
   Impl(const Impl&) = delete;
@@ -125,6 +163,7 @@ struct OutputFile::Impl {
   std::string path;
   fs::path target;        // rank 0
   std::string temporary;  // empty until it exists
+  Slot* slot = nullptr;   // rank 0
   std::unique_ptr<RawFile> file;
   std::int64_t end = 0;  // one past the last byte that this rank wrote
   bool failed = false;
@@ -137,6 +176,7 @@ OutputFile::OutputFile(const Comm& comm, const std::string& path) {
     if (!comm.is_root()) return;
     impl->target = output_target(path);
     impl->temporary = create_temporary(path, impl->target);
+    impl->slot = remember(impl->temporary);
   });
   impl->temporary = comm.broadcast(impl->temporary);
   agree(comm, [&] { impl->file = detail::open_raw(impl->temporary, path, RawFile::Mode::kWrite); });

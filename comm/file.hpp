@@ -56,4 +56,7 @@ class OutputFile {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Removes the temporary files of this process, for a signal handler that ends it. May be called at any time.
+void remove_temporary_files() noexcept;
+
 }  // namespace skein

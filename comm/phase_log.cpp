@@ -4,7 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstdio>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "base/text.hpp"
@@ -50,10 +54,68 @@ std::string objection(const std::string& phase, Ask&& ask) {
 
 }  // namespace
 
+/// A thread that wakes up now and then; it calls no MPI.
+class PhaseLog::Heartbeat {
+ public:
+  Heartbeat(double seconds, double log_begin) : seconds_(seconds), log_begin_(log_begin), thread_([this] { run(); }) {}
+  ~Heartbeat() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+  Heartbeat(const Heartbeat&) = delete;
+  Heartbeat& operator=(const Heartbeat&) = delete;
+
+  /// A phase has begun; an empty name: it has ended. `tets`: how many there were at the end of the last one.
+  void set(const std::string& phase, std::int64_t tets, std::int64_t expected) {
+    {
+      const std::lock_guard lock(mutex_);
+      phase_ = phase, tets_ = tets, expected_ = expected, begin_ = wall_time();
+    }
+    wake_.notify_one();
+  }
+
+ private:
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (!ending_) {
+      const auto woken = wake_.wait_for(lock, std::chrono::duration<double>(seconds_));
+      if (woken == std::cv_status::no_timeout || ending_ || phase_.empty()) continue;
+      const double now = wall_time();
+      std::string line = fmt::format("[{:8.1f} s]  {:<19} for {:.0f} s", now - log_begin_, phase_, now - begin_);
+      if (tets_ > 0) line += fmt::format("; {} tets at its beginning", grouped(tets_));
+      if (expected_ > 0) line += fmt::format(", {} expected in the end", grouped(expected_));
+      fmt::print("{}\n", line);
+      std::fflush(stdout);
+    }
+  }
+
+  const double seconds_, log_begin_;
+  std::mutex mutex_;  // of what follows
+  std::condition_variable wake_;
+  bool ending_ = false;
+  std::string phase_;
+  std::int64_t tets_ = 0, expected_ = 0;
+  double begin_ = 0;
+  std::thread thread_;
+};
+
 PhaseLog::PhaseLog(const Comm& comm, Output output) : comm_(&comm), output_(output), begin_(wall_time()) {}
 
 PhaseLog::PhaseLog(const Comm& comm, PhaseObserver observer)
     : comm_(&comm), output_(Output::kQuiet), observer_(std::move(observer)), begin_(wall_time()) {}
+
+PhaseLog::~PhaseLog() = default;
+
+void PhaseLog::beat_every(double seconds) {
+  if (output_ == Output::kQuiet || !comm_->is_root()) return;
+  heartbeat_ = std::make_unique<Heartbeat>(seconds, begin_);
+}
+
+void PhaseLog::expect(std::int64_t tets) { expected_ = tets; }
 
 double PhaseLog::elapsed() const noexcept { return wall_time() - begin_; }
 
@@ -68,6 +130,7 @@ void PhaseLog::start(const std::string& name) {
   comm_cpu_ = comm_->communication_cpu();
   cpu_ = cpu_time();
   start_ = wall_time();
+  if (heartbeat_) heartbeat_->set(name, phases_.empty() ? 0 : phases_.back().elements, expected_);
   if (output_ == Output::kTerminal && comm_->is_root()) {
     fmt::print("[{:8.1f} s]  {:<19} ...", elapsed(), name);
     std::fflush(stdout);
@@ -120,7 +183,7 @@ std::map<std::string, std::int64_t> PhaseLog::all_counts() const {
 
 void PhaseLog::print(const PhaseCost& cost) const {
   if (output_ == Output::kQuiet || !comm_->is_root()) return;
-  fmt::print("{}[{:8.1f} s]  {:<19} {:>15} tets {:9.2f} s  balance {:3.0f} %{}\n",
+  fmt::print("{}[{:8.1f} s]  {:<19} {:>15} tets {:9.2f} s  load balance {:3.0f} %{}\n",
              output_ == Output::kTerminal ? "\r" : "", elapsed(), cost.name, grouped(cost.elements), cost.seconds_max,
              cost.balance, output_ == Output::kTerminal ? "\033[K" : "");
   std::fflush(stdout);
@@ -136,6 +199,7 @@ void PhaseLog::ask_observer(const PhaseCost& cost) {
 }
 
 void PhaseLog::finish(std::int64_t local_tets) {
+  if (heartbeat_) heartbeat_->set("", 0, expected_);
   PhaseCost cost = cost_now(local_tets);
   print(cost);
   phases_.push_back(std::move(cost));

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,15 @@ class PhaseLog {
   /// Prints nothing, but tells the observer. When that wants to stop on any rank, finish() throws Error(kCancelled) on
   /// all of them; when it throws an exception itself, that one's text.
   PhaseLog(const Comm& comm, PhaseObserver observer);
+  ~PhaseLog();
+  PhaseLog(const PhaseLog&) = delete;
+  PhaseLog& operator=(const PhaseLog&) = delete;
+
+  /// From now on, while a phase takes long, a line every so many seconds on rank 0 says so (none when quiet). Not
+  /// collective.
+  void beat_every(double seconds);
+  /// What the run is expected to come to, for those lines. Not collective.
+  void expect(std::int64_t tets);
 
   /// Starts a phase; the one before must be finished. Not collective.
   void start(const std::string& name);
@@ -64,6 +74,7 @@ class PhaseLog {
   [[nodiscard]] std::map<std::string, std::int64_t> all_counts() const;
   void print(const PhaseCost& cost) const;
   void ask_observer(const PhaseCost& cost);
+  class Heartbeat;
   const Comm* comm_;
   Output output_;
   PhaseObserver observer_;
@@ -74,6 +85,8 @@ class PhaseLog {
   std::string name_;
   std::map<std::string, std::int64_t> counts_;
   std::vector<PhaseCost> phases_;
+  std::int64_t expected_ = 0;
+  std::unique_ptr<Heartbeat> heartbeat_;
 };
 
 }  // namespace skein

@@ -37,9 +37,10 @@ typedef enum skein_status {
 
 /// What the numbers of skein_set_target() are.
 typedef enum skein_target {
-  SKEIN_METRIC = 0,  ///< 6 per vertex: m11 m12 m22 m13 m23 m33, 1/length^2
-  SKEIN_SIZE = 1,    ///< 1 per vertex: wanted length of edges
-  SKEIN_FIELD = 2    ///< 1 per vertex: a solution; needs skein_options.complexity
+  SKEIN_METRIC = 0,    ///< 6 per vertex: m11 m12 m22 m13 m23 m33, 1/length^2
+  SKEIN_SIZE = 1,      ///< 1 per vertex: wanted length of edges
+  SKEIN_FIELD = 2,     ///< 1 per vertex: a solution; needs skein_options.complexity, elements or vertices
+  SKEIN_OWN_SIZES = 3  ///< none: the mesh keeps its own sizes, and is improved
 } skein_target;
 
 /// How points are created.
@@ -67,6 +68,9 @@ typedef struct skein_progress {
 /// Options of skein_adapt(); the same on all ranks. To be filled by skein_options_init() before any is changed.
 typedef struct skein_options {
   double complexity;          ///< scale the metric to this complexity; 0: as it is
+  double elements;            ///< in place of complexity: scale the metric to so many tetrahedra; 0: not given
+  double vertices;            ///< the same by the number of vertices
+  double aspect_max;          ///< largest over smallest edge length at a vertex, at least 1; 0: no bound
   double h_min;               ///< smallest edge length; 0: no bound
   double h_max;               ///< largest edge length; infinity: no bound
   double norm;                ///< with SKEIN_FIELD: L^p norm of the error, p >= 1 or infinity
@@ -141,7 +145,7 @@ SKEIN_EXPORT int skein_set_required_edges(skein_mesh* mesh, int64_t n, const int
 SKEIN_EXPORT int skein_set_required_triangles(skein_mesh* mesh, int64_t n, const int64_t* triangles);
 /// Tetrahedron numbers.
 SKEIN_EXPORT int skein_set_required_tetrahedra(skein_mesh* mesh, int64_t n, const int64_t* tets);
-/// What the mesh shall be like: 6 or 1 numbers per vertex.
+/// What the mesh shall be like: 6 or 1 numbers per vertex; of SKEIN_OWN_SIZES none (NULL).
 SKEIN_EXPORT int skein_set_target(skein_mesh* mesh, skein_target kind, const double* values);
 /// What is carried to the new mesh: `width` numbers per vertex.
 SKEIN_EXPORT int skein_set_fields(skein_mesh* mesh, int width, const double* values);

@@ -100,10 +100,12 @@ struct PartitionedMesh {
 struct Target {
   /// What the numbers are.
   enum class Kind {
-    kMetric,  ///< 6 per vertex: a symmetric positive tensor M as m11 m12 m22 m13 m23 m33; edge e has length
-              ///< sqrt(e' M e), ideal 1; unit 1/length^2
-    kSize,    ///< 1 per vertex: the wanted length of edges, > 0
-    kField,   ///< 1 per vertex: a solution; its second derivatives make the metric. Needs Options::complexity
+    kMetric,    ///< 6 per vertex: a symmetric positive tensor M as m11 m12 m22 m13 m23 m33; edge e has length
+                ///< sqrt(e' M e), ideal 1; unit 1/length^2
+    kSize,      ///< 1 per vertex: the wanted length of edges, > 0
+    kField,     ///< 1 per vertex: a solution; its second derivatives make the metric. Needs Options::complexity,
+                ///< elements or vertices
+    kOwnSizes,  ///< none: the mesh keeps the sizes and directions of its own edges, and is improved
   };
   Kind kind = Kind::kSize;     ///< what the numbers are
   std::vector<double> values;  ///< vertex after vertex
@@ -114,6 +116,8 @@ struct Target {
   static Target size(std::vector<double> values) { return {Kind::kSize, std::move(values)}; }
   /// A solution, 1 number per vertex.
   static Target field(std::vector<double> values) { return {Kind::kField, std::move(values)}; }
+  /// The mesh's own sizes.
+  static Target own_sizes() { return {Kind::kOwnSizes, {}}; }
 };
 
 /// Numbers that are carried from the old vertices to the new ones: linear in each old tetrahedron, so that a linear
@@ -147,13 +151,19 @@ struct Options {
   };
 
   double complexity = 0;  ///< scale the metric to this complexity, about a tenth of the tetrahedra; 0: as it is
+  double elements = 0;    ///< in place of `complexity`: scale the metric to so many tetrahedra; 0: not given
+  double vertices = 0;    ///< the same by the number of vertices
   double h_min = 0;       ///< smallest edge length; 0: no bound
   double h_max = std::numeric_limits<double>::infinity();  ///< largest edge length
+  double aspect_max = 0;            ///< largest over smallest edge length at a vertex, at least 1; 0: no bound
   double norm = 2;                  ///< with Target::field: the L^p norm of the error to minimise, p >= 1 or infinity
   std::optional<double> gradation;  ///< sizes grow at most by this factor per edge, > 1; 0: no bound. Not set: 1.3 with
                                     ///< Target::size, no bound otherwise
   double ridge_angle = 45;          ///< surface edges folded by more than this are kept as ridges; degrees
-  bool surface = true;              ///< boundary triangles may change; false: they are kept as they are
+  double max_elements = 0;          ///< refuse a metric that asks for more; 0: for more than there is memory for
+  std::vector<std::int32_t> freeze_patches;  ///< references of triangles that stay as they are
+  std::vector<std::int32_t> freeze_regions;  ///< references of tetrahedra that stay as they are
+  bool surface = true;                       ///< boundary triangles may change; false: they are kept as they are
 
   /// The method: the passes with all numbers that steer them. At most one of the next three is given, with none it is
   /// the preset "default".

@@ -277,6 +277,7 @@ void adapt(const Comm& comm, DistMesh& dist, const AdaptOptions& options, PhaseL
   for (VertState& s : dist.mesh.vert_state) s |= kActive;
   const auto [parts, threads, grown] = grow(comm, dist, local, log);
   local.threads = threads;
+  if (grown && options.grown) options.grown(dist);
   log.start("round 1: partition");
   if (comm.size() > 1) cut_parts(comm, dist, parts, grown, local);
   finish();

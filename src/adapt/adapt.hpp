@@ -1,5 +1,7 @@
 // The rounds: adapt every part with its interface frozen, then move the interfaces.
 #pragma once
+#include <functional>
+
 #include "comm/comm.hpp"
 #include "comm/phase_log.hpp"
 #include "dist/dist_mesh.hpp"
@@ -19,6 +21,9 @@ struct AdaptOptions {
   const ReferenceSurface* reference = nullptr;
   const SpacingField* spacing =
       nullptr;  ///< evaluated at every new vertex and intersected with the interpolated metric
+  /// Collective. Called once when a mesh that was too small has grown in steps, before the first round: on this finer
+  /// mesh it can be told what the metric really asks for, and log_metric may be scaled.
+  std::function<void(DistMesh&)> grown;
 };
 
 /// Collective. Adapts the mesh to the metric whose logarithm is the column log_metric. The result is compact, has equal

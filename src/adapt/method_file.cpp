@@ -13,26 +13,13 @@
 #include <sstream>
 #include <vector>
 
+#include "base/text.hpp"
 #include "kernel/method_numbers.hpp"
 
 namespace skein {
 namespace {
 
 constexpr std::array<std::string_view, 2> kPoints{"edges", "centroids"}, kSmoothing{"quality", "springs"};
-
-/// How many letters must be put in, taken out or changed to make b of a.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t before = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = before + (a[i - 1] == b[j - 1] ? 0 : 1);
-      before = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, change}));
-    }
-  }
-  return row.back();
-}
 
 std::vector<std::string> all_keys() {
   std::vector<std::string> keys{"preset", "points", "smoothing"};
@@ -45,7 +32,7 @@ std::vector<std::string> all_keys() {
 std::string nearest_key(const std::string& key) {
   const auto keys = all_keys();
   return *std::min_element(keys.begin(), keys.end(), [&](const std::string& a, const std::string& b) {
-    return distance(key, a) < distance(key, b);
+    return edit_distance(key, a) < edit_distance(key, b);
   });
 }
 

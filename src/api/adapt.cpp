@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "adapt/method_file.hpp"
@@ -25,6 +26,8 @@ MetricSource source_of(Target::Kind kind) noexcept {
       return MetricSource::kTensors;
     case Target::Kind::kSize:
       return MetricSource::kSizes;
+    case Target::Kind::kOwnSizes:
+      return MetricSource::kMesh;
     case Target::Kind::kField:
       break;
   }
@@ -37,6 +40,8 @@ const char* name_of(MetricSource source) noexcept {
       return "the metric";
     case MetricSource::kSizes:
       return "the sizes";
+    case MetricSource::kMesh:
+      return "the mesh's own sizes";
     case MetricSource::kField:
       break;
   }
@@ -61,12 +66,27 @@ Method choose_method(const Comm& comm, const Options& o) {
   return m;
 }
 
+/// freeze_patches and freeze_regions as rules.
+std::vector<LocalRule> frozen_rules(const Options& o) {
+  std::vector<LocalRule> rules;
+  const auto add = [&](LocalRule::On on, const std::vector<std::int32_t>& refs, const char* where) {
+    if (!refs.empty()) rules.push_back({on, refs, 0, 0, LocalRule::Change::kNone, where});
+  };
+  add(LocalRule::On::kPatches, o.freeze_patches, "Options::freeze_patches");
+  add(LocalRule::On::kRegions, o.freeze_regions, "Options::freeze_regions");
+  return rules;
+}
+
 AdaptationOptions to_internal(const Options& o, Target::Kind kind, const Method& method) {
   AdaptationOptions a;
   a.distribute.ridge_angle = o.ridge_angle;
   a.metric.source = source_of(kind);
   a.metric.name = name_of(a.metric.source);
-  a.metric.complexity = o.complexity;
+  a.wanted = {o.elements, o.vertices};
+  a.metric.complexity = a.wanted.given() ? complexity_for(a.wanted) : o.complexity;
+  a.metric.aspect_max = o.aspect_max;
+  a.metric.max_tets = o.max_elements;
+  a.metric.local = frozen_rules(o);
   a.metric.h_min = o.h_min;
   a.metric.h_max = std::min(o.h_max, kNoLargestSize);
   a.metric.norm = o.norm;
@@ -84,14 +104,22 @@ void require_in_range(const Options& o, Target::Kind kind, const Fields& fields)
     if (!holds) throw Error(ExitCode::kUsage, line);
   };
   require(o.complexity >= 0 && std::isfinite(o.complexity), "Options::complexity must be a number >= 0");
+  require(o.elements >= 0 && std::isfinite(o.elements), "Options::elements must be a number >= 0");
+  require(o.vertices >= 0 && std::isfinite(o.vertices), "Options::vertices must be a number >= 0");
+  require(int(o.complexity > 0) + int(o.elements > 0) + int(o.vertices > 0) <= 1,
+          "only one of Options::complexity, Options::elements and Options::vertices can be given");
+  require(o.aspect_max == 0 || (o.aspect_max >= 1 && std::isfinite(o.aspect_max)),
+          "Options::aspect_max must be at least 1, or 0 for none");
+  require(o.max_elements >= 0, "Options::max_elements must be a number >= 0");
   require(o.h_min >= 0 && std::isfinite(o.h_min), "Options::h_min must be a number >= 0");
   require(o.h_max > 0, "Options::h_max must be greater than 0");
   require(o.norm >= 1, "Options::norm must be at least 1, or infinity");
   require(o.h_min <= o.h_max, "Options::h_min is greater than Options::h_max");
   require(!o.gradation || *o.gradation == 0 || *o.gradation > 1,
           "Options::gradation must be greater than 1 (usual: 1.2 to 2), or 0 for none");
-  require(kind != Target::Kind::kField || o.complexity > 0,
-          "Target::field needs Options::complexity, about a tenth of the tetrahedra that there shall be");
+  require(kind != Target::Kind::kField || o.complexity > 0 || o.elements > 0 || o.vertices > 0,
+          "Target::field needs Options::complexity (about a tenth of the tetrahedra that there shall be), elements or "
+          "vertices");
   require(o.ridge_angle >= 0 && o.ridge_angle <= 180, "Options::ridge_angle must be between 0 and 180 degrees");
   require(o.rounds >= 1 && o.rounds <= 100, "Options::rounds must be between 1 and 100");
   require(o.threads >= 1 && o.threads <= 1024, "Options::threads must be between 1 and 1024");
@@ -103,6 +131,10 @@ void require_in_range(const Options& o, Target::Kind kind, const Fields& fields)
 /// Collective. What must be the same on all ranks, or they would part ways.
 void require_same(const Comm& comm, const Options& o, const Target& target, const Fields& fields) {
   const double mine[] = {o.complexity,
+                         o.elements,
+                         o.vertices,
+                         o.aspect_max,
+                         o.max_elements,
                          o.h_min,
                          o.h_max,
                          o.norm,
@@ -119,7 +151,12 @@ void require_same(const Comm& comm, const Options& o, const Target& target, cons
   std::vector<double> least(std::begin(mine), std::end(mine)), most = least;
   comm.reduce(std::span<double>(least), Op::kMin);
   comm.reduce(std::span<double>(most), Op::kMax);
-  const std::string texts = o.preset + '\0' + o.config + '\0' + o.config_file;
+  std::string refs;
+  for (const auto* list : {&o.freeze_patches, &o.freeze_regions}) {
+    for (const std::int32_t r : *list) refs += fmt::format("{},", r);
+    refs += ';';
+  }
+  const std::string texts = refs + o.preset + '\0' + o.config + '\0' + o.config_file;
   const std::string of_root = comm.broadcast(texts);
   agree(comm, [&] {
     if (least == most && texts == of_root) return;
@@ -134,7 +171,10 @@ class Watch {
   [[nodiscard]] PhaseObserver observer() {
     return {[this](const std::string& phase) { return tell(phase, false, 0); },
             [this](const PhaseCost& c) { return tell(c.name, true, c.elements); },
-            [this](const std::string& line) { notes_.push_back(line.substr(line.starts_with("note: ") ? 6 : 0)); }};
+            [this](const std::string& line) {
+              constexpr std::string_view kNote = "note: ";
+              if (line.starts_with(kNote)) notes_.push_back(line.substr(kNote.size()));
+            }};
   }
   /// Collective.
   void report(const Comm& comm, const PhaseLog& log, const MeshStatistics& s, Report& r) const {
@@ -156,7 +196,9 @@ class Watch {
 };
 
 /// Numbers at the vertices in one array, as they travel: the target's, then the fields'.
-int width_of(Target::Kind kind) noexcept { return kind == Target::Kind::kMetric ? 6 : 1; }
+int width_of(Target::Kind kind) noexcept {
+  return kind == Target::Kind::kMetric ? 6 : kind == Target::Kind::kOwnSizes ? 0 : 1;
+}
 
 FieldSlice slice_at(const MeshSlice& mesh, std::vector<double> values, int width, const char* name) {
   FieldSlice f;
@@ -178,9 +220,11 @@ AdaptationInput to_input(const Comm& comm, SlicedMesh mesh, Target target, Field
   in.carried = fields.width;
   agree(comm, [&] {
     if (in.mesh.tets.total == 0) throw Error(ExitCode::kInput, "the mesh has no tetrahedra");
-    FieldSlice given = slice_at(in.mesh, std::move(target.values), width_of(target.kind), name_of(source));
-    given.kinds = {source == MetricSource::kTensors ? FieldKind::kTensor : FieldKind::kScalar};
-    in.values = metric_values(std::move(given), source);
+    in.values = slice_at(in.mesh, std::move(target.values), width_of(target.kind), name_of(source));
+    if (source != MetricSource::kMesh) {
+      in.values.kinds = {source == MetricSource::kTensors ? FieldKind::kTensor : FieldKind::kScalar};
+      in.values = metric_values(std::move(in.values), source);
+    }
     if (fields.width == 0) return;
     const FieldSlice carried = slice_at(in.mesh, std::move(fields.values), fields.width, "the fields");
     for (const double x : carried.values) {
@@ -247,6 +291,7 @@ void run(const Comm& comm, const Options& options, const AdaptationOptions& inte
   PhaseLog log(comm, watch.observer());
   log.start("read");
   AdaptationInput input = make_input(comm);
+  apply_to_entities(comm, internal.metric.local, input.mesh);
   const std::int64_t tets_in = input.mesh.tets.total, vertices_in = input.mesh.total_verts;
   log.finish(static_cast<std::int64_t>(input.mesh.tets.verts.size()));
 

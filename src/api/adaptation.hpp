@@ -11,6 +11,7 @@
 #include "dist/distribute.hpp"
 #include "dist/reference.hpp"
 #include "mesh/mesh_slice.hpp"
+#include "report/census.hpp"
 #include "report/invariants.hpp"
 #include "report/surface_report.hpp"
 #include "solution/metric_policy.hpp"
@@ -20,26 +21,40 @@ namespace skein {
 /// What is adapted, in slices.
 struct AdaptationInput {
   MeshSlice mesh;
-  FieldSlice values;     ///< at its vertices: what metric_values() gave, then the numbers to be carried to the new mesh
+  FieldSlice values;     ///< at its vertices: what metric_values() gave (of kMesh nothing, of kField any number of
+                         ///< scalars), then the numbers to be carried to the new mesh
   int carried = 0;       ///< how many of the numbers at a vertex are carried
   MeshSlice geometry{};  ///< a mesh whose boundary the geometry is; without vertices: that of `mesh`
+};
+
+/// How many there shall be in the result; 0: as many as the metric asks for. At most one is given, and then
+/// MetricPolicy::complexity is complexity_for() of it.
+struct WantedCount {
+  double elements = 0, vertices = 0;
+  [[nodiscard]] bool given() const noexcept { return elements > 0 || vertices > 0; }
+};
+/// The complexity whose unit mesh has about so many.
+double complexity_for(const WantedCount& wanted) noexcept;
+
+/// What a run tells of itself, beside the log.
+struct AdaptationReport {
+  EndCheckReport end_check;
+  Census before;                         ///< of the input
+  std::optional<SurfaceReport> surface;  ///< none where the boundary was to stay as it is
+  double predicted_tets = 0;             ///< of the metric, before the work
+  double complexity = 0;                 ///< of the metric, before the work
 };
 
 struct AdaptationOptions {
   DistributeOptions distribute;
   MetricPolicy metric;
+  WantedCount wanted;
   SurfaceShape geometry = SurfaceShape::kPatches;  ///< how the boundary runs between the vertices of the input
   DeviationLimits deviation;
   AdaptOptions adapt;  ///< its `reference` is made on the way
   EndCheckLimits end_check;
   /// Collective. Gets the result when the end check finds it wrong, before the error: to write it as suspect, say.
   std::function<void(DistMesh&&)> suspect;
-};
-
-/// What a run tells besides its mesh.
-struct AdaptationFindings {
-  EndCheckReport end_check;
-  std::optional<SurfaceReport> surface;  ///< none where the boundary was to stay as it is
 };
 
 /// Collective. Compares the result with what `before` tells of the input. Throws Error(kInternal) on all ranks where
@@ -55,10 +70,10 @@ FieldSlice side_by_side(FieldSlice a, const FieldSlice& b);
 /// Collective. Distributes, makes the metric, adapts and carries the fields over; each is a phase of the log, and what
 /// was found on the way a note. The input is freed as early as can be. The result has the logarithm of the metric in
 /// its column log_metric, and the carried numbers in `fields`. `step_done` is told the name of each part of the way
-/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried). What the checks at the end have
-/// found comes into `found`.
+/// when it is behind: "distribute", "adapt", "transfer" (if anything is carried). What the end check has
+/// compared, and what there was before, comes into `report`.
 DistMesh run_adaptation(const Comm& comm, AdaptationInput input, const AdaptationOptions& options, PhaseLog& log,
                         const std::function<void(const std::string&)>& step_done = {},
-                        AdaptationFindings* found = nullptr);
+                        AdaptationReport* report = nullptr);
 
 }  // namespace skein

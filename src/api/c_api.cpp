@@ -133,6 +133,7 @@ To converted(From from) {
 skein::Options to_cpp(const skein_options& o) {
   skein::Options out;
   out.complexity = o.complexity, out.h_min = o.h_min, out.h_max = o.h_max, out.norm = o.norm;
+  out.elements = o.elements, out.vertices = o.vertices, out.aspect_max = o.aspect_max;
   if (!(o.gradation < 0)) out.gradation = o.gradation;
   out.ridge_angle = o.ridge_angle, out.surface = o.surface != 0;
   const auto text = [](const char* s) { return s == nullptr ? std::string() : std::string(s); };
@@ -264,12 +265,14 @@ int skein_set_required_tetrahedra(skein_mesh* mesh, int64_t n, const int64_t* te
 int skein_set_target(skein_mesh* mesh, skein_target kind, const double* values) {
   return guarded([&] {
     require(mesh != nullptr, "the mesh is NULL");
-    require(kind == SKEIN_METRIC || kind == SKEIN_SIZE || kind == SKEIN_FIELD, "the target is of an unknown kind");
-    const int width = kind == SKEIN_METRIC ? 6 : 1;
+    require(kind == SKEIN_METRIC || kind == SKEIN_SIZE || kind == SKEIN_FIELD || kind == SKEIN_OWN_SIZES,
+            "the target is of an unknown kind");
+    const int width = kind == SKEIN_METRIC ? 6 : kind == SKEIN_OWN_SIZES ? 0 : 1;
     mesh->target.values = copied(count(mesh->mesh.coords) * width, values);
-    mesh->target.kind = kind == SKEIN_METRIC ? skein::Target::Kind::kMetric
-                        : kind == SKEIN_SIZE ? skein::Target::Kind::kSize
-                                             : skein::Target::Kind::kField;
+    mesh->target.kind = kind == SKEIN_METRIC  ? skein::Target::Kind::kMetric
+                        : kind == SKEIN_SIZE  ? skein::Target::Kind::kSize
+                        : kind == SKEIN_FIELD ? skein::Target::Kind::kField
+                                              : skein::Target::Kind::kOwnSizes;
   });
 }
 

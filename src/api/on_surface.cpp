@@ -62,9 +62,10 @@ ReferenceSurface other_surface(const Comm& comm, DistMesh& dist, const MeshSlice
 }  // namespace
 
 std::optional<SurfaceReport> adapt_on_surface(const Comm& comm, DistMesh& dist, const MeshSlice& geometry,
-                                              const AdaptationOptions& options, PhaseLog& log, Invariants& before) {
+                                              const AdaptationOptions& options, PhaseLog& log, Invariants& before,
+                                              const std::function<void(const AdaptationOptions&)>& work) {
   if (!options.adapt.surface) {
-    adapt(comm, dist, options.adapt, log);
+    work(options);
     return {};
   }
   const auto finish = [&] { log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots())); };
@@ -72,9 +73,9 @@ std::optional<SurfaceReport> adapt_on_surface(const Comm& comm, DistMesh& dist, 
   const ReferenceSurface surface = geometry.total_verts > 0 ? other_surface(comm, dist, geometry, options, before)
                                                             : own_surface(comm, dist, options, before);
   finish();
-  AdaptOptions adapt_options = options.adapt;
-  adapt_options.reference = &surface;
-  adapt(comm, dist, adapt_options, log);
+  AdaptationOptions on_surface = options;
+  on_surface.adapt.reference = &surface;
+  work(on_surface);
   log.start("surface report");
   SurfaceReport report = surface_report(comm, dist, surface);
   dist.mesh.surface_place = {};

@@ -40,6 +40,15 @@ void require_fields(const Comm& comm, const FieldOptions& o, const std::string& 
   require_output(comm, o.out, kFields);
 }
 
+FieldSlice read_together(const Comm& comm, const MeshSlice& mesh, const std::vector<std::string>& paths) {
+  FieldSlice all;
+  all.total = mesh.total_verts, all.first = mesh.first_vert;
+  FieldOptions o;
+  o.in = paths;
+  all.names = read_fields_behind(comm, mesh, o, all).names;
+  return all;
+}
+
 FieldsOut read_fields_behind(const Comm& comm, const MeshSlice& mesh, const FieldOptions& o, FieldSlice& values) {
   FieldsOut out;
   out.path = o.out;

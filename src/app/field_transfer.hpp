@@ -25,4 +25,8 @@ void require_fields(const Comm& comm, const FieldOptions& o, const std::string& 
 /// `mesh`.
 FieldsOut read_fields_behind(const Comm& comm, const MeshSlice& mesh, const FieldOptions& o, FieldSlice& values);
 
+/// Collective. The fields of several files side by side, named after their files. Throws Error(kInput) when a file has
+/// not one value per vertex of `mesh`.
+FieldSlice read_together(const Comm& comm, const MeshSlice& mesh, const std::vector<std::string>& paths);
+
 }  // namespace skein::app

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "app/files.hpp"
+#include "app/numbers.hpp"
 #include "app/run_report.hpp"
 #include "app/threads.hpp"
 #include "app/verbs.hpp"
@@ -20,28 +21,29 @@ struct Options {
 };
 
 Json to_json(const Options& o) {
-  Json j{{"verb", "generate"}};
-  if (!o.sources.empty()) j["sources"] = o.sources;
-  if (o.generate.size_max < 1e300) j["size_max"] = o.generate.size_max;
+  Json j{{"command", "generate"}};
+  j["sources"] = o.sources;
+  j["size_max"] = o.generate.size_max < 1e300 ? Json(o.generate.size_max) : Json();
   j["growth"] = o.generate.growth, j["ridge_angle"] = o.generate.ridge_angle;
-  j["keep_surface"] = o.generate.keep_surface;
+  j["keep_surface"] = o.generate.keeps_surface();
   j["rounds"] = o.generate.adapt.rounds, j["threads"] = o.generate.adapt.threads;
   return j;
 }
 
 ExitCode run_generate(const Comm& comm, Options& o) {
   require_input(comm, o.input, kMeshInputs);
-  require_outputs(comm, o.run);
+  require_outputs(comm, o.run, {o.input, o.sources});
   o.run.threads = settle_threads(comm, o.run.threads);
   o.generate.adapt.threads = o.run.threads;
   RunRecord record(comm, o.run);
   record.input = o.input;
-  record.options = to_json(o);
+  note_head(comm, o.run.threads, record.log);
   note_threads(comm, o.run.threads, record.log);
 
   record.log.start("read");
-  const MeshSlice surface = read_mesh(comm, o.input);
+  const MeshSlice surface = read_mesh_noting(comm, o.input, [&](const std::string& line) { record.log.note(line); });
   if (!o.sources.empty()) o.generate.sources = read_sources(comm, o.sources);
+  record.options = to_json(o);
   record.elements_in = surface.triangles.total, record.vertices_in = surface.total_verts;
   record.log.finish(0);
   record.lap("read");
@@ -60,13 +62,22 @@ void add_generate(CLI::App& cli, Run& run) {
   verb->add_option("SURFACE", o->input, "surface (.mesh, .meshb)")->required();
   add_run_options(*verb, o->run);
   verb->add_option("--sources", o->sources, "spacing sources (TOML)");
-  verb->add_option("--size-max", o->generate.size_max, "largest edge length")->check(CLI::PositiveNumber);
+  verb->add_option("--size-max", o->generate.size_max, "largest edge length")->check(positive());
   verb->add_option("--growth", o->generate.growth, "how fast the boundary spacing may grow inwards, per distance")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   verb->add_option("--ridge-angle", o->generate.ridge_angle, "surface edges folded more than this are kept, degrees")
       ->check(CLI::Range(0.0, 180.0));
-  verb->add_flag("--keep-surface", o->generate.keep_surface, "keep the surface triangles as they are");
-  verb->add_option("--rounds", o->generate.adapt.rounds, "rounds over the processes")->check(CLI::Range(1, 100));
+  using Surface = GenerateOptions::Surface;
+  auto* keep = verb->add_flag_callback(
+      "--keep-surface", [o] { o->generate.surface = Surface::kKept; },
+      "keep the surface triangles as they are; so it is without --sources and --size-max");
+  verb->add_flag_callback(
+          "--remesh-surface", [o] { o->generate.surface = Surface::kRemeshed; },
+          "adapt the surface to its own spacing, also where no sizes are given")
+      ->excludes(keep);
+  verb->add_option("--rounds", o->generate.adapt.rounds,
+                   "rounds over the processes (MPI ranks), at most: in each the borders between them move (3)")
+      ->check(CLI::Range(1, 100));
   verb->footer("Example: mpirun -n 2 skein generate wing-body.mesh --sources wing.toml -o wing-body.meshb");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return run_generate(comm, *o); }; });
 }

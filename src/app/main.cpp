@@ -10,7 +10,10 @@
 #include <sstream>
 #include <thread>
 
+#include "app/help.hpp"
+#include "app/interrupt.hpp"
 #include "app/large_blocks.hpp"
+#include "app/spelling.hpp"
 #include "app/threads.hpp"
 #include "app/verbs.hpp"
 
@@ -33,11 +36,9 @@ ExitCode report_parse_result(const Comm& comm, const CLI::App& cli, const CLI::P
     fmt::print("{}", out.str());
     return ExitCode::kOk;
   }
-  std::string verb, what = e.what();
+  std::string verb;
   for (const CLI::App* sub : cli.get_subcommands()) verb = " " + sub->get_name();
-  // CLI11 misses a verb before it looks at words that are none.
-  if (verb.empty() && cli.remaining_size() > 0) what = fmt::format("'{}' is not a verb of skein", cli.remaining()[0]);
-  print_error(fmt::format("{}; see: skein{} --help", what, verb));
+  print_error(fmt::format("{}; see: skein{} --help", verb.empty() ? "a command is required" : e.what(), verb));
   return ExitCode::kUsage;
 }
 
@@ -60,11 +61,12 @@ ExitCode fail_perhaps_alone(const Comm& comm, const Comm& farewell, ExitCode cod
 
 ExitCode parse_and_run(const Comm& comm, int argc, char** argv) {
   CLI::App cli{"Skein remeshes tetrahedral meshes in parallel."};
+  use_narrow_help(cli);
   cli.set_version_flag("--version", "skein " SKEIN_VERSION);
   cli.require_subcommand(1);
   cli.footer(
-      "Each verb has its own --help. To use N processes: mpirun -n N skein ...\n"
-      "Exit codes: 0 done, 1 mesh not valid, 2 command line, 3 input, 4 output, 5 internal.");
+      "Each command has its own --help. To use N processes: mpirun -n N skein ...\n"
+      "Exit codes: 0 done, 1 mesh not valid, 2 command line, 3 input, 4 output, 5 internal, 130 interrupted.");
   Run run;
   add_adapt(cli, run);
   add_generate(cli, run);
@@ -72,6 +74,8 @@ ExitCode parse_and_run(const Comm& comm, int argc, char** argv) {
   add_stats(cli, run);
   add_convert(cli, run);
   add_partition(cli, run);
+  for (CLI::App* command : cli.get_subcommands({})) command->group("Commands");
+  agree(comm, [&] { refuse_misspelt(cli, {argv, static_cast<std::size_t>(argc)}); });
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -106,8 +110,10 @@ int main(int argc, char** argv) {
   skein::app::use_large_blocks();
   skein::Environment environment(argc, argv);
   const skein::Comm comm = skein::Comm::world();
+  skein::app::end_cleanly_on_signals(comm);
   const skein::Comm farewell = skein::Comm::world();  // free of messages of work that was broken off
   const skein::ExitCode code = skein::app::guarded(comm, farewell, argc, argv);
+  skein::app::let_signals_be();
   farewell.barrier();  // rank 0 has spoken before any rank ends with an error, which makes mpirun end the others
   return static_cast<int>(code);
 }

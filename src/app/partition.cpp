@@ -22,12 +22,16 @@ struct Options {
   int parts = 0, threads = kThreadsNotGiven;
   std::string method = "multilevel";
   bool json = false;
+  GmfVersion format = GmfVersion::kLowest;
+  InputFiles inputs = InputFiles::kKept;
 };
 
 ExitCode run_partition(const Comm& comm, const Options& o) {
+  require_distinct(comm, {o.input}, {o.output}, o.inputs);
   require_input(comm, o.input, kMeshInputs);
   require_output(comm, o.output, kMeshOutputs);
   const MeshSlice mesh = read_mesh(comm, o.input);
+  require_tets(comm, mesh);
   DistMesh dist = distribute(comm, mesh);
 
   const int threads = settle_threads(comm, o.threads);
@@ -40,7 +44,7 @@ ExitCode run_partition(const Comm& comm, const Options& o) {
 
   if (!o.output.empty()) {
     for (const TetId t : IdRange<TetId>(dist.mesh.tet_slots())) dist.mesh.tet_ref[t] = num(part[t]);
-    write_mesh(comm, o.output, to_slices(comm, dist));
+    write_mesh(comm, o.output, to_slices(comm, dist), nullptr, o.format);
   }
   if (!comm.is_root()) return ExitCode::kOk;
   if (o.json) {
@@ -58,7 +62,7 @@ ExitCode run_partition(const Comm& comm, const Options& o) {
 
 void add_partition(CLI::App& cli, Run& run) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = cli.add_subcommand("partition", "Cut a mesh into parts of equal size with short interfaces");
+  CLI::App* verb = cli.add_subcommand("partition", "Cut a mesh into parts, tell how good the cut is");
   verb->add_option("IN", o->input, "mesh (.mesh, .meshb)")->required();
   verb->add_option("--parts", o->parts, "number of parts")->required()->check(CLI::Range(1, 1 << 20));
   verb->add_option("--method", o->method, "multilevel: short interfaces; hilbert: pieces of a curve, quick")
@@ -66,6 +70,8 @@ void add_partition(CLI::App& cli, Run& run) {
       ->capture_default_str();
   add_threads_option(*verb, o->threads);
   verb->add_option("-o,--output", o->output, "the mesh with the part, from 0, as reference of the tetrahedra");
+  add_format_option(*verb, o->format);
+  add_overwrite_option(*verb, o->inputs);
   verb->add_flag("--json", o->json, "print JSON");
   verb->footer("Example: skein partition wing.meshb --parts 16 -o parts.vtu");
   verb->callback([o, &run] { run = [o](const Comm& comm) { return run_partition(comm, *o); }; });

@@ -77,6 +77,28 @@ Whole fill(MeshSlice gathered, const SpacingField& field, double growth) {
   return whole;
 }
 
+/// Collective.
+double hull_area(const Comm& comm, const TetMesh& m) {
+  double sum = 0;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!is_hull(m.face_tag[t][k])) continue;
+      const auto v = m.verts(make_face(t, k));
+      sum += 0.5 * norm(cross(m.coords[v[1]] - m.coords[v[0]], m.coords[v[2]] - m.coords[v[0]]));
+    }
+  }
+  return comm.sum(sum);
+}
+
+/// Collective. What remeshing has done to the body.
+void note_change(const Comm& comm, const TetMesh& m, double area, double volume, PhaseLog& log) {
+  double now = 0;
+  for (const TetId t : IdRange<TetId>(m.tet_slots())) now += volume6(m, t) / 6;
+  now = comm.sum(now);
+  log.note(fmt::format("the surface was remeshed: its area has changed by {:+.3g} %, the volume by {:+.3g} %",
+                       100 * (hull_area(comm, m) / area - 1), 100 * (now / volume - 1)));
+}
+
 }  // namespace
 
 CoarseVolume fill_surface(const Comm& comm, const MeshSlice& surface, const GenerateOptions& options, PhaseLog& log) {
@@ -116,12 +138,17 @@ DistMesh generate(const Comm& comm, const MeshSlice& surface, const GenerateOpti
   distribute_options.work_from_metric = true;
   log.start("distribute");
   DistMesh dist = distribute(comm, coarse.mesh, &metric, distribute_options);
+  const double volume = coarse.surface_volume;
   coarse = {};
   log.finish(static_cast<std::int64_t>(dist.mesh.tet_slots()));
   AdaptOptions adapt_options = options.adapt;
-  adapt_options.surface = !options.keep_surface;
+  adapt_options.surface = !options.keeps_surface();
   adapt_options.spacing = &field;
+  if (options.surface == GenerateOptions::Surface::kKeptUnlessSizesAreGiven && options.keeps_surface())
+    log.note("the surface triangulation is kept, as no sizes are given; --remesh-surface adapts it to its own spacing");
+  const double area = hull_area(comm, dist.mesh);
   adapt(comm, dist, adapt_options, log);
+  if (adapt_options.surface) note_change(comm, dist.mesh, area, volume, log);
   return dist;
 }
 

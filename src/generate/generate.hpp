@@ -10,12 +10,18 @@
 namespace skein {
 
 struct GenerateOptions {
-  SpacingField sources;       ///< the strictest of these and of the boundary spacing holds
-  double size_max = 1e300;    ///< largest spacing anywhere; length
-  double growth = 0.3;        ///< how fast the boundary spacing may grow inwards: spacing gained per distance
-  double ridge_angle = 45;    ///< surface edges folded more than this are ridges; degrees
-  bool keep_surface = false;  ///< the surface triangulation stays as it is, whatever sources and size_max ask for
-  AdaptOptions adapt;         ///< surface and spacing are set by generate()
+  SpacingField sources;     ///< the strictest of these and of the boundary spacing holds
+  double size_max = 1e300;  ///< largest spacing anywhere; length
+  double growth = 0.3;      ///< how fast the boundary spacing may grow inwards: spacing gained per distance
+  double ridge_angle = 45;  ///< surface edges folded more than this are ridges; degrees
+  /// What may happen to the surface triangulation. It stays as it is unless sizes are given, which may ask for more.
+  enum class Surface { kKeptUnlessSizesAreGiven, kKept, kRemeshed };
+  Surface surface = Surface::kKeptUnlessSizesAreGiven;
+  [[nodiscard]] bool keeps_surface() const noexcept {
+    const bool sizes = !sources.sources.empty() || sources.size_max < 1e300 || size_max < 1e300;
+    return surface == Surface::kKept || (surface == Surface::kKeptUnlessSizesAreGiven && !sizes);
+  }
+  AdaptOptions adapt;  ///< surface and spacing are set by generate()
 };
 
 /// A first, coarse volume mesh: TetGen's tetrahedra between the surface vertices and a few points inside (seeds).

@@ -1,9 +1,12 @@
 // The only file that knows TetGen.
 #include "generate/tetgen_volume.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 
 #include "base/error.hpp"
@@ -90,6 +93,27 @@ tetgenbehavior behaviour() {
   return b;
 }
 
+/// TetGen, with standard output closed to it: some of its lines come even when it shall be quiet.
+void run_tetgen(tetgenbehavior& b, tetgenio& in, tetgenio& out) {
+  std::fflush(stdout);
+  const int kept = ::dup(STDOUT_FILENO), nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (kept >= 0 && nowhere >= 0) ::dup2(nowhere, STDOUT_FILENO);
+  const auto restore = [&] {
+    std::fflush(stdout);
+    if (kept >= 0 && nowhere >= 0) ::dup2(kept, STDOUT_FILENO);
+    for (const int fd : {kept, nowhere}) {
+      if (fd >= 0) ::close(fd);
+    }
+  };
+  try {
+    tetrahedralize(&b, &in, &out);
+  } catch (...) {
+    restore();
+    throw;
+  }
+  restore();
+}
+
 /// Triangles (1-based) that cut each other, from TetGen's diagnosis; empty when it finds none.
 std::vector<int> intersecting(const MeshSlice& mesh) {
   tetgenio in, out;
@@ -97,7 +121,7 @@ std::vector<int> intersecting(const MeshSlice& mesh) {
   tetgenbehavior b = behaviour();
   b.diagnose = 1;
   try {
-    tetrahedralize(&b, &in, &out);
+    run_tetgen(b, in, out);
   } catch (int) {
     return {};
   }
@@ -200,7 +224,7 @@ Volume fill_volume(const ClosedSurface& surface, const std::vector<Vec3>& seeds)
   set_input(mesh, seeds, surface.voids, in);
   tetgenbehavior b = behaviour();
   try {
-    tetrahedralize(&b, &in, &out);
+    run_tetgen(b, in, out);
   } catch (int code) {
     explain(code, mesh);
   }

@@ -113,7 +113,9 @@ Section read_section(Cursor& c, const InputFile& in, const std::string& path) {
   return s;
 }
 
-std::vector<Section> read_sections(const InputFile& in, const std::string& path, Header header) {
+/// The sections that are known. `others`: the names of those that are not.
+std::vector<Section> read_sections(const InputFile& in, const std::string& path, Header header,
+                                   std::vector<std::string>& others) {
   constexpr std::size_t kMost = 10000;  // keywords are some hundred; more means that positions lead astray
   std::vector<Section> out;
   Cursor c(in, path, header);
@@ -122,7 +124,10 @@ std::vector<Section> read_sections(const InputFile& in, const std::string& path,
     if (n == kMost) fail(path, "damaged: too many keywords");
     const Section s = read_section(c, in, path);
     const KeywordInfo* k = find_keyword(s.code);
-    if (k == nullptr) continue;
+    if (k == nullptr) {
+      if (s.code != static_cast<std::int32_t>(Keyword::kEnd)) others.push_back(unknown_name(s.code));
+      continue;
+    }
     const bool again = std::ranges::any_of(out, [&](const Section& o) { return o.code == s.code; });
     if (again) fail(path, fmt::format("{} appears a second time at byte {}", k->name, s.head));
     out.push_back(s);
@@ -136,7 +141,7 @@ struct GmfFile {
     agree(comm, [&] {
       if (!comm.is_root()) return;
       header = read_header(in, path);
-      sections = read_sections(in, path, header);
+      sections = read_sections(in, path, header, passed_over);
       const Section* dimension = find(Keyword::kDimension);
       if (dimension == nullptr) fail(path, "no Dimension: the file is damaged");
       require_dimension_3(path, dimension->count);
@@ -152,6 +157,7 @@ struct GmfFile {
   InputFile in;
   Header header;
   std::vector<Section> sections;
+  std::vector<std::string> passed_over;  // rank 0
 };
 
 /// Throws unless the records of the section lie inside it, before anything is allocated for them.
@@ -259,6 +265,7 @@ MeshSlice read_gmf_mesh(const Comm& comm, const std::string& path) {
   const GmfFile f(comm, path);
   MeshSlice mesh;
   mesh.path = path;
+  mesh.passed_over = f.passed_over;
   const Section* vertices = f.find(Keyword::kVertices);
   agree(comm, [&] {
     if (vertices == nullptr) fail(path, "no Vertices in the file: is it a solution, not a mesh?");

@@ -1,4 +1,6 @@
 // Writes GMF binary files (.meshb, .solb): every position follows from the totals, so all ranks write at once.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "comm/file.hpp"
@@ -10,6 +12,9 @@ namespace skein::io {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{8} << 20;
+
+/// Bytes of a keyword with the position of the next one, in a file of this version.
+constexpr std::int64_t key_bytes(int version) noexcept { return 4 + gmf_position_bytes(version); }
 
 /// Places the sections one behind the other; every rank computes the same positions, rank 0 writes the heads.
 class Writer {
@@ -43,7 +48,7 @@ class Writer {
   /// Not collective.
   void end() {
     put32(static_cast<std::int32_t>(Keyword::kEnd));
-    put64(0);
+    put_position(0);
     flush();
   }
   /// Collective.
@@ -52,6 +57,7 @@ class Writer {
  private:
   void put32(std::int32_t v) { put(v); }
   void put64(std::int64_t v) { put(v); }
+  void put_position(std::int64_t v) { version_ >= 3 ? put64(v) : put32(static_cast<std::int32_t>(v)); }
   template <class T>
   void put(T v) {
     head_.resize(head_.size() + sizeof v);
@@ -59,7 +65,7 @@ class Writer {
   }
   void head(Keyword key, std::int64_t body_bytes) {
     put32(static_cast<std::int32_t>(key));
-    put64(at_ + static_cast<std::int64_t>(head_.size()) + 8 + body_bytes);
+    put_position(at_ + static_cast<std::int64_t>(head_.size()) + gmf_position_bytes(version_) + body_bytes);
   }
   void flush() {
     if (comm_.is_root()) out_.write(at_, head_);
@@ -106,16 +112,51 @@ void write_sections(Writer& w, const MeshSlice& mesh) {
   for_each_section(mesh, [&](const RecordSpec& spec, const auto& s) { write_records<Int>(w, spec.key, s); });
 }
 
-bool needs_64_bit(const MeshSlice& mesh) {
-  std::int64_t largest = mesh.total_verts;
-  for_each_section(mesh, [&](const RecordSpec&, const auto& s) { largest = std::max(largest, s.total); });
-  return largest > INT32_MAX;
+/// What decides on the version of a file.
+struct Extent {
+  std::int64_t largest = 0;  ///< of the numbers in it
+  std::int64_t bytes = 0;    ///< in version 2
+};
+
+Extent extent_of(const MeshSlice& mesh) {
+  constexpr std::int64_t kHead = key_bytes(2) + 4, kVertex = 28;
+  Extent e{mesh.total_verts, 8 + 2 * kHead + key_bytes(2) + mesh.total_verts * kVertex};
+  for_each_section(mesh, [&](const RecordSpec& spec, const auto& s) {
+    e.largest = std::max(e.largest, s.total);
+    e.bytes += kHead + 4 * spec.width * s.total;
+  });
+  return e;
+}
+
+Extent extent_of(const FieldSlice& f) {
+  constexpr std::int64_t kHead = key_bytes(2) + 4;
+  const auto kinds = 4 * (1 + static_cast<std::int64_t>(f.kinds.size()));
+  return {f.total, 8 + 2 * kHead + kinds + key_bytes(2) + f.total * f.width * 8};
+}
+
+/// Collective. The version asked for, or the lowest that holds the file.
+int choose_version(const Comm& comm, const std::string& path, GmfVersion asked, const Extent& extent) {
+  const int least = gmf_version_for(extent.largest, extent.bytes);
+  if (asked == GmfVersion::kLowest) return least;
+  agree(comm, [&] {
+    if (static_cast<int>(asked) >= least) return;
+    throw Error(
+        ExitCode::kOutput,
+        fmt::format("{}: GMF version {} does not hold {} entities in {:.3g} GB; version {} does (--format-version)",
+                    path, static_cast<int>(asked), extent.largest, 1e-9 * static_cast<double>(extent.bytes), least));
+  });
+  return static_cast<int>(asked);
 }
 
 }  // namespace
 
-void write_gmf_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, int version) {
-  if (version == 0) version = needs_64_bit(mesh) ? 4 : 3;
+int gmf_version_for(std::int64_t largest, std::int64_t bytes) noexcept {
+  if (largest > INT32_MAX) return 4;
+  return bytes > INT32_MAX ? 3 : 2;
+}
+
+void write_gmf_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, GmfVersion asked) {
+  const int version = choose_version(comm, path, asked, extent_of(mesh));
   Writer w(comm, path, version);
   agree(comm, [&] {
     version >= 4 ? write_sections<std::int64_t>(w, mesh) : write_sections<std::int32_t>(w, mesh);
@@ -124,8 +165,8 @@ void write_gmf_mesh(const Comm& comm, const std::string& path, const MeshSlice& 
   w.commit();
 }
 
-void write_gmf_fields(const Comm& comm, const std::string& path, const FieldSlice& fields, int version) {
-  if (version == 0) version = fields.total > INT32_MAX ? 4 : 3;
+void write_gmf_fields(const Comm& comm, const std::string& path, const FieldSlice& fields, GmfVersion asked) {
+  const int version = choose_version(comm, path, asked, extent_of(fields));
   std::vector<std::int32_t> kinds{static_cast<std::int32_t>(fields.kinds.size())};
   for (const FieldKind k : fields.kinds) kinds.push_back(static_cast<std::int32_t>(k));
   const auto width = static_cast<std::size_t>(fields.width);

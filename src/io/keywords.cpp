@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -37,7 +38,27 @@ constexpr std::array<KeywordInfo, 24> kTable{{
     {62, "SolAtVertices", "value at a vertex", false},
 }};
 
+/// Sections that files often have and Skein does not keep.
+constexpr std::array<std::pair<std::int32_t, std::string_view>, 9> kPassedOver{{
+    {19, "TangentAtEdgeVertices"},
+    {20, "NormalAtVertices"},
+    {21, "NormalAtTriangleVertices"},
+    {40, "VerticesOnGeometricVertices"},
+    {41, "VerticesOnGeometricEdges"},
+    {42, "VerticesOnGeometricTriangles"},
+    {59, "Tangents"},
+    {60, "Normals"},
+    {126, "ByteFlow"},
+}};
+
 }  // namespace
+
+std::string unknown_name(std::int32_t code) {
+  for (const auto& [known, name] : kPassedOver) {
+    if (known == code) return std::string(name);
+  }
+  return fmt::format("keyword {}", code);
+}
 
 const KeywordInfo* find_keyword(std::int32_t code) noexcept {
   const auto it = std::ranges::find(kTable, code, &KeywordInfo::code);

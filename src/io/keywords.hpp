@@ -37,6 +37,8 @@ const KeywordInfo* find_keyword(std::int32_t code) noexcept;
 const KeywordInfo* find_keyword(std::string_view name) noexcept;
 /// @pre one of Keyword.
 const KeywordInfo& info(Keyword k) noexcept;
+/// What a keyword that Skein does not know is called: its name, where it is a usual one.
+std::string unknown_name(std::int32_t code);
 /// Throws Error(kInput) when `k` is refused and count > 0. `where` is the head of the message.
 void refuse_elements(const std::string& where, const KeywordInfo& k, std::int64_t count);
 /// Throws Error(kInput) unless dimension is 3.

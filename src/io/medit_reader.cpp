@@ -1,6 +1,7 @@
 // Reads Medit text files (.mesh, .sol).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "comm/file.hpp"
@@ -35,6 +36,7 @@ struct MeditFile {
 
   TextFile text;
   std::vector<Section> sections;
+  std::vector<std::string> passed_over;
 
  private:
   void add(const TextWord& w, std::int64_t head);
@@ -59,7 +61,11 @@ MeditFile::MeditFile(const Comm& comm, const std::string& path) : text(comm, pat
 
 void MeditFile::add(const TextWord& w, std::int64_t head) {
   const KeywordInfo* k = find_keyword(w.name());
-  if (k == nullptr) return;
+  if (k == nullptr) {
+    const bool seen = std::ranges::find(passed_over, w.name()) != passed_over.end();
+    if (!seen && w.name() != "MeshVersionFormatted") passed_over.emplace_back(w.name());
+    return;
+  }
   const Section s{k, w.line, w.begin + 1, w.end, head};
   for (const Section& o : sections) {
     if (o.keyword == k) fail(at(s), fmt::format("{} appears a second time", k->name));
@@ -147,6 +153,7 @@ MeshSlice read_medit_mesh(const Comm& comm, const std::string& path) {
   const MeditFile f(comm, path);
   MeshSlice mesh;
   mesh.path = path;
+  if (comm.is_root()) mesh.passed_over = f.passed_over;
   const Section* vertices = f.find(Keyword::kVertices);
   agree(comm, [&] {
     if (vertices == nullptr) fail(path, "no Vertices in the file: is it a solution, not a mesh?");

@@ -18,7 +18,7 @@ bool is(const std::string& path, std::string_view ending) { return path.ends_wit
 /// Collective. Throws on all ranks.
 void refuse_ending(const Comm& comm, ExitCode code, const std::string& path, std::string_view known) {
   agree(comm, [&] {
-    throw Error(code, fmt::format("{}: the format is told by the ending, and this is none of {}", path, known));
+    throw Error(code, fmt::format("{}: the file extension says the format, and this is none of {}", path, known));
   });
 }
 
@@ -84,20 +84,21 @@ FieldSlice read_fields(const Comm& comm, const std::string& path) {
   return {};
 }
 
-void write_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields) {
+void write_mesh(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields,
+                GmfVersion version, const FieldSlice* on_tets) {
   require_mesh(comm, path, mesh);
   const bool vtk = is(path, ".vtu") || is(path, ".pvtu");
   if (vtk && fields != nullptr) require_same_verts(comm, path, mesh, *fields);
-  if (is(path, ".meshb")) return io::write_gmf_mesh(comm, path, mesh);
+  if (is(path, ".meshb")) return io::write_gmf_mesh(comm, path, mesh, version);
   if (is(path, ".mesh")) return io::write_medit_mesh(comm, path, mesh);
-  if (is(path, ".vtu")) return io::write_vtu(comm, path, mesh, fields);
-  if (is(path, ".pvtu")) return io::write_pvtu(comm, path, mesh, fields);
+  if (is(path, ".vtu")) return io::write_vtu(comm, path, mesh, fields, on_tets);
+  if (is(path, ".pvtu")) return io::write_pvtu(comm, path, mesh, fields, on_tets);
   refuse_ending(comm, ExitCode::kOutput, path, ".mesh, .meshb, .vtu, .pvtu");
 }
 
-void write_fields(const Comm& comm, const std::string& path, const FieldSlice& fields) {
+void write_fields(const Comm& comm, const std::string& path, const FieldSlice& fields, GmfVersion version) {
   require_fields(comm, path, fields);
-  if (is(path, ".solb")) return io::write_gmf_fields(comm, path, fields);
+  if (is(path, ".solb")) return io::write_gmf_fields(comm, path, fields, version);
   if (is(path, ".sol")) return io::write_medit_fields(comm, path, fields);
   refuse_ending(comm, ExitCode::kOutput, path, ".sol, .solb");
 }

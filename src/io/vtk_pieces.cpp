@@ -79,15 +79,19 @@ std::string piece_path(const std::string& path, int rank) {
   return fmt::format("{}_{}.vtu", path.substr(0, path.rfind('.')), rank);
 }
 
-std::string index_text(const std::string& path, int ranks, const FieldSlice* fields) {
+std::string index_text(const std::string& path, int ranks, const FieldSlice* fields, const FieldSlice* on_tets) {
   std::string xml =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n<PPointData>\n";
   for (std::size_t i = 0; fields != nullptr && i < fields->kinds.size(); ++i) {
     xml += fmt::format("<PDataArray {}/>\n", vtk_field_attributes(*fields, i));
   }
+  xml += "</PPointData>\n<PCellData>\n<PDataArray type=\"Int32\" Name=\"ref\"/>\n";
+  for (std::size_t i = 0; on_tets != nullptr && i < on_tets->kinds.size(); ++i) {
+    xml += fmt::format("<PDataArray {}/>\n", vtk_field_attributes(*on_tets, i));
+  }
   xml +=
-      "</PPointData>\n<PCellData>\n<PDataArray type=\"Int32\" Name=\"ref\"/>\n</PCellData>\n<PPoints>\n"
+      "</PCellData>\n<PPoints>\n"
       "<PDataArray type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"/>\n</PPoints>\n";
   for (int r = 0; r < ranks; ++r) {
     const std::string piece = piece_path(path, r);
@@ -98,17 +102,19 @@ std::string index_text(const std::string& path, int ranks, const FieldSlice* fie
 
 }  // namespace
 
-void write_pvtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields) {
+void write_pvtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields,
+                const FieldSlice* on_tets) {
   const Piece piece = make_piece(comm, mesh, fields);
   agree(comm, [&] {
     const Comm self = Comm::self();
-    write_vtu(self, piece_path(path, num(comm.rank())), piece.mesh, fields == nullptr ? nullptr : &piece.fields);
+    write_vtu(self, piece_path(path, num(comm.rank())), piece.mesh, fields == nullptr ? nullptr : &piece.fields,
+              on_tets);
   });
   agree(comm, [&] {
     if (!comm.is_root()) return;
     const Comm self = Comm::self();
     OutputFile out(self, path);
-    const std::string text = index_text(path, comm.size(), fields);
+    const std::string text = index_text(path, comm.size(), fields, on_tets);
     out.write(0, std::as_bytes(std::span(text.data(), text.size())));
     out.commit();
   });

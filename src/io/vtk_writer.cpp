@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "comm/file.hpp"
 #include "io/formats.hpp"
@@ -41,11 +42,11 @@ class Arrays {
 /// Where each array is; the same on every rank.
 struct Layout {
   Arrays arrays;
-  std::vector<std::int64_t> field;
+  std::vector<std::int64_t> field, cell;
   std::int64_t ref = 0, points = 0, connectivity = 0, offsets = 0, types = 0;
 };
 
-Layout make_layout(const MeshSlice& mesh, const FieldSlice* fields) {
+Layout make_layout(const MeshSlice& mesh, const FieldSlice* fields, const FieldSlice* on_tets) {
   Layout l;
   Arrays& a = l.arrays;
   const std::int64_t verts = mesh.total_verts, tets = mesh.tets.total, triangles = mesh.triangles.total;
@@ -59,6 +60,9 @@ Layout make_layout(const MeshSlice& mesh, const FieldSlice* fields) {
   }
   a.text("</PointData>\n<CellData>\n");
   l.ref = a.add("type=\"Int32\" Name=\"ref\"", cells * 4);
+  for (std::size_t i = 0; on_tets != nullptr && i < on_tets->kinds.size(); ++i) {
+    l.cell.push_back(a.add(vtk_field_attributes(*on_tets, i), cells * 8));
+  }
   a.text("</CellData>\n<Points>\n");
   l.points = a.add("type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"", verts * 24);
   a.text("</Points>\n<Cells>\n");
@@ -131,6 +135,17 @@ void write_field_arrays(Writer& w, const Layout& l, const FieldSlice& fields) {
   }
 }
 
+/// Numbers of the tetrahedra, and none (NaN) of the triangles.
+void write_tet_arrays(Writer& w, const Layout& l, const MeshSlice& mesh, const FieldSlice& on_tets) {
+  const auto width = static_cast<std::size_t>(on_tets.width);
+  for (std::size_t f = 0; f < width; ++f) {
+    w.array<double>(l.cell[f], mesh.tets.first, mesh.tets.verts.size(), 1,
+                    [&](std::size_t i, double* v) { *v = on_tets.values[i * width + f]; });
+    w.array<double>(l.cell[f], mesh.tets.total + mesh.triangles.first, mesh.triangles.verts.size(), 1,
+                    [&](std::size_t, double* v) { *v = std::numeric_limits<double>::quiet_NaN(); });
+  }
+}
+
 }  // namespace
 
 std::string xml_escaped(const std::string& s) {
@@ -166,8 +181,9 @@ std::string vtk_field_attributes(const FieldSlice& fields, std::size_t i) {
   return out;
 }
 
-void write_vtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields) {
-  const Layout l = make_layout(mesh, fields);
+void write_vtu(const Comm& comm, const std::string& path, const MeshSlice& mesh, const FieldSlice* fields,
+               const FieldSlice* on_tets) {
+  const Layout l = make_layout(mesh, fields, on_tets);
   OutputFile out(comm, path);
   agree(comm, [&] {
     Writer w(out, l);
@@ -180,6 +196,7 @@ void write_vtu(const Comm& comm, const std::string& path, const MeshSlice& mesh,
     write_cells(w, l, mesh.tets, kVtkTetra, 0, 0);
     write_cells(w, l, mesh.triangles, kVtkTriangle, mesh.tets.total, 4 * mesh.tets.total);
     if (fields != nullptr) write_field_arrays(w, l, *fields);
+    if (on_tets != nullptr) write_tet_arrays(w, l, mesh, *on_tets);
   });
   out.commit();
 }

@@ -34,12 +34,13 @@ struct MeshSlice {
   EntitySlice<2> edges;
   EntitySlice<3> triangles;
   EntitySlice<4> tets;
-  VertexListSlice corners;             ///< vertex numbers
-  VertexListSlice ridges;              ///< edge numbers
-  VertexListSlice required_verts;      ///< vertex numbers
-  VertexListSlice required_edges;      ///< edge numbers
-  VertexListSlice required_triangles;  ///< triangle numbers
-  VertexListSlice required_tets;       ///< tetrahedron numbers
+  VertexListSlice corners;               ///< vertex numbers
+  VertexListSlice ridges;                ///< edge numbers
+  VertexListSlice required_verts;        ///< vertex numbers
+  VertexListSlice required_edges;        ///< edge numbers
+  VertexListSlice required_triangles;    ///< triangle numbers
+  VertexListSlice required_tets;         ///< tetrahedron numbers
+  std::vector<std::string> passed_over;  ///< sections of the file that are not kept, by name; on rank 0
 };
 
 enum class FieldKind : std::int32_t { kScalar = 1, kVector = 2, kTensor = 3 };

@@ -250,6 +250,21 @@ void judge_duplicate_vertices(const Comm& comm, const MeshSlice& mesh, Findings&
   }
 }
 
+/// The volume that the triangles of a closed surface enclose, and whether they are all oriented the same way: then an
+/// edge is passed once in each direction. Both are sums over the triangles of all ranks.
+struct Enclosure {
+  double volume = 0;
+  std::uint64_t turns = 0;  ///< hashes of the edges with the sign of their direction; 0: oriented
+  void add(const std::array<GlobalId, 3>& v, Vec3 a, Vec3 b, Vec3 c) noexcept {
+    volume += dot(a, cross(b, c)) / 6;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto from = static_cast<std::uint64_t>(num(v[i])), to = static_cast<std::uint64_t>(num(v[(i + 1) % 3]));
+      const std::uint64_t edge = mix(mix(std::min(from, to)) ^ std::max(from, to));
+      turns += from < to ? edge : 0 - edge;
+    }
+  }
+};
+
 /// Collective. Volumes, degenerate tetrahedra, unused vertices, area.
 void judge_entities(const Comm& comm, const MeshSlice& mesh, Findings& found, CheckResult& r) {
   std::vector<char> used(mesh.coords.size(), 0);
@@ -271,7 +286,13 @@ void judge_entities(const Comm& comm, const MeshSlice& mesh, Findings& found, Ch
     }
   }
   const SliceCoordinates x(comm, mesh, mesh.triangles.verts, r.surface_only ? &used : nullptr);
-  for (const auto& v : mesh.triangles.verts) r.area += norm(cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]])) / 2;
+  Enclosure inside;
+  for (const auto& v : mesh.triangles.verts) {
+    r.area += norm(cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]])) / 2;
+    inside.add(v, x[v[0]], x[v[1]], x[v[2]]);
+  }
+  r.oriented = comm.sum(inside.turns) == 0;
+  if (r.surface_only) r.volume = inside.volume;
   for (std::size_t i = 0; i < mesh.coords.size(); ++i) {
     const auto number = mesh.first_vert + static_cast<std::int64_t>(i);
     const std::array<GlobalId, 1> v{to_id<GlobalId>(number)};
@@ -300,9 +321,11 @@ void locate(const Comm& comm, const MeshSlice& mesh, std::vector<Finding>& findi
   }
 }
 
-bool is_warning(Fault fault, bool surface_only) noexcept {
+/// A mesh without any triangles is complete: its hull is a patch.
+bool is_warning(Fault fault, const CheckResult& r) noexcept {
   return fault == Fault::kUnusedVertex || fault == Fault::kDuplicateVertex ||
-         (fault == Fault::kNonmanifoldHullEdge && !surface_only);
+         (fault == Fault::kNonmanifoldHullEdge && !r.surface_only) ||
+         (fault == Fault::kHullFaceNotTriangle && r.triangles == 0);
 }
 
 }  // namespace
@@ -329,11 +352,14 @@ CheckResult check_mesh(const Comm& comm, const MeshSlice& mesh) {
   r.hull_faces = r.surface_only ? r.triangles : comm.sum(r.hull_faces);
   r.internal_triangles = comm.sum(r.internal_triangles);
   r.hull_euler = verts_minus_edges + r.hull_faces;
-  r.volume = comm.sum(r.volume), r.area = comm.sum(r.area);
+  r.volume = comm.sum(r.volume);
+  if (r.surface_only)
+    r.volume = r.oriented && r.counts[static_cast<std::size_t>(Fault::kOpenHullEdge)] == 0 ? std::abs(r.volume) : 0;
+  r.area = comm.sum(r.area);
   r.min_volume = r.tets > 0 ? comm.min(r.min_volume) : 0;
   r.valid = r.tets > 0 || r.surface_only;
   for (std::size_t f = 0; f < kFaults; ++f) {
-    if (r.counts[f] > 0 && !is_warning(static_cast<Fault>(f), r.surface_only)) r.valid = false;
+    if (r.counts[f] > 0 && !is_warning(static_cast<Fault>(f), r)) r.valid = false;
   }
   return r;
 }

@@ -12,7 +12,8 @@
 
 namespace skein {
 
-/// What can be wrong. The last three are warnings in a volume mesh; the others make a mesh invalid.
+/// What can be wrong. The last three are warnings in a volume mesh, and so are all hull faces without a triangle where
+/// there are no triangles at all; the others make a mesh invalid.
 enum class Fault : std::int32_t {
   kNonpositiveTet,       ///< inverted or flat (or not finite)
   kDegenerateTet,        ///< names a vertex twice
@@ -49,10 +50,11 @@ struct Finding {
 struct CheckResult {
   bool valid = false;
   bool surface_only = false;  ///< no tetrahedra: the triangles are judged as a closed surface
+  bool oriented = false;      ///< its triangles all face outwards, or all inwards
   std::int64_t vertices = 0, tets = 0, triangles = 0, hull_faces = 0, internal_triangles = 0;
   std::int64_t crack_verts = 0;                 ///< pairs of vertices at one place that are meant
   std::int64_t hull_euler = 0;                  ///< vertices - edges + faces of the hull
-  double volume = 0, min_volume = 0, area = 0;  ///< length units of the file
+  double volume = 0, min_volume = 0, area = 0;  ///< length units of the file; of an oriented surface: what it encloses
   std::array<std::int64_t, kFaults> counts{};   ///< by Fault
   std::vector<Finding> findings;                ///< by Fault, then by entity number; at most kMaxFindings of each
 };

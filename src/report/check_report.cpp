@@ -71,11 +71,19 @@ std::string to_text(const CheckResult& r, const std::string& path) {
   text += fmt::format("  {} vertices, {} tetrahedra, {} triangles, {} hull faces, {} internal triangles\n",
                       grouped(r.vertices), grouped(r.tets), grouped(r.triangles), grouped(r.hull_faces),
                       grouped(r.internal_triangles));
-  text += fmt::format("  volume {:.12g}, smallest tetrahedron {:.4g}, area of the triangles {:.12g}\n", r.volume,
-                      r.min_volume, r.area);
+  if (r.surface_only) {
+    text += fmt::format("  area {:.12g}, {}\n", r.area,
+                        r.volume > 0 ? fmt::format("encloses a volume of {:.12g}", r.volume)
+                        : r.oriented ? "not closed"
+                                     : "triangles are oriented differently: no enclosed volume");
+  }
+  if (!r.surface_only)
+    text += fmt::format("  volume {:.12g}, smallest tetrahedron {:.4g}, area of the triangles {:.12g}\n", r.volume,
+                        r.min_volume, r.area);
   if (r.crack_verts > 0)
     text += fmt::format("  {} pairs of vertices at the same place on matching triangles: a crack\n",
                         grouped(r.crack_verts));
+  if (r.tets > 0 && r.triangles == 0) text += "  no triangles: the whole hull becomes one patch\n";
   if (r.vertices == 0 || (r.tets == 0 && r.triangles == 0)) text += "  there is no mesh in this file\n";
   std::size_t at = 0;
   for (std::size_t f = 0; f < kFaults; ++f) {
@@ -101,7 +109,9 @@ Json to_json(const CheckResult& r) {
          {"crack_vertices", r.crack_verts},
          {"volume", r.volume},
          {"min_volume", r.min_volume},
-         {"area", r.area}};
+         {"area", r.area},
+         {"surface_only", r.surface_only},
+         {"oriented", r.oriented}};
   for (std::size_t f = 0; f < kFaults; ++f) j[kWords[f].key] = r.counts[f];
   Json findings = Json::object();
   for (const Finding& f : r.findings) {

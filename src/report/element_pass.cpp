@@ -138,16 +138,17 @@ void gather(const TetMesh& m, const IdVector<VertId, VertMetric>* metric, TetId 
   }
   if (metric == nullptr) return;
   const VertMetric* strictest = &(*metric)[v[0]];
-  AtVerts sqrt_det{strictest->sqrt_det};
+  constexpr double kLeast = 1e-300;
+  AtVerts log_sqrt_det{std::log(std::max(strictest->sqrt_det, kLeast))};
   for (std::size_t k = 1; k < 4; ++k) {
     const VertMetric& a = (*metric)[v[k]];
-    sqrt_det[k] = a.sqrt_det;
+    log_sqrt_det[k] = std::log(std::max(a.sqrt_det, kLeast));
     if (a.order_key > strictest->order_key) strictest = &a;
   }
   const SymTensor& s = strictest->m;
   b.metric[0][l] = s.xx, b.metric[1][l] = s.xy, b.metric[2][l] = s.yy;
   b.metric[3][l] = s.xz, b.metric[4][l] = s.yz, b.metric[5][l] = s.zz;
-  b.sqrt_det[l] = strictest->sqrt_det, b.mean_sqrt_det[l] = vertex_rule(sqrt_det);
+  b.sqrt_det[l] = strictest->sqrt_det, b.mean_sqrt_det[l] = mean_of_log_linear(log_sqrt_det);
 }
 
 }  // namespace

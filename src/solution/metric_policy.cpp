@@ -13,78 +13,18 @@
 #include "metric/complexity.hpp"
 #include "solution/hessian.hpp"
 #include "solution/hessian_metric.hpp"
+#include "solution/own_metric.hpp"
 
 namespace skein {
 namespace {
 
 constexpr int kMostScalings = 10;
 constexpr double kComplexityTolerance = 1e-3;  ///< of its logarithm
-constexpr double kRoundedZero = 1e-14;         ///< eigenvalues this small against the largest may be negative zeros
-constexpr double kLogOfNoLimit = -700;         ///< of an eigenvalue of zero: a size of 1e152
 constexpr double kLargestSize = 1e3;           ///< in diagonals of the mesh
 constexpr double kSmallestSize = 1e-100;
 
-void put(const SymTensor& l, double* out) noexcept {
-  out[0] = l.xx, out[1] = l.xy, out[2] = l.yy, out[3] = l.xz, out[4] = l.yz, out[5] = l.zz;
-}
-
 /// The logarithm of the metric with this edge length in all directions.
 SymTensor log_of_size(double h) noexcept { return isotropic(-2 * std::log(h)); }
-
-/// For messages.
-std::int64_t vertex_number(const FieldSlice& f, std::size_t i) noexcept {
-  return f.first + static_cast<std::int64_t>(i) + f.first_number;
-}
-
-SymTensor checked_log(const SymTensor& m, const FieldSlice& f, std::size_t i) {
-  if (!is_finite(m)) {
-    throw Error(ExitCode::kInput,
-                fmt::format("{}: the metric at vertex {} is not finite", f.path, vertex_number(f, i)));
-  }
-  if (!is_positive_definite(m)) {
-    Eigen e = eigen(m);
-    if (e.value[0] >= -kRoundedZero * std::max(e.value[2], 0.0)) {
-      for (double& value : e.value) value = value > 0 ? std::log(value) : kLogOfNoLimit;
-      return compose(e);
-    }
-    throw Error(ExitCode::kInput,
-                fmt::format("{}: the metric at vertex {} is not positive: eigenvalues {:.6g}, {:.6g}, {:.6g}", f.path,
-                            vertex_number(f, i), e.value[0], e.value[1], e.value[2]));
-  }
-  return log(m);
-}
-
-FieldSlice log_of_tensors(FieldSlice f) {
-  for (std::size_t i = 0; i < f.values.size() / 6; ++i) {
-    double* v = f.values.data() + 6 * i;
-    put(checked_log({v[0], v[1], v[2], v[3], v[4], v[5]}, f, i), v);
-  }
-  return f;
-}
-
-FieldSlice log_of_sizes(const FieldSlice& sizes) {
-  FieldSlice f;
-  f.path = sizes.path, f.first_number = sizes.first_number, f.total = sizes.total, f.first = sizes.first;
-  f.kinds = {FieldKind::kTensor}, f.width = 6;
-  f.values.resize(6 * sizes.values.size());
-  for (std::size_t i = 0; i < sizes.values.size(); ++i) {
-    const double h = sizes.values[i];
-    if (!(h > 0) || !std::isfinite(h)) {
-      throw Error(ExitCode::kInput, fmt::format("{}: the size at vertex {} is {:.6g}; sizes must be greater than zero",
-                                                f.path, vertex_number(f, i), h));
-    }
-    put(log_of_size(h), f.values.data() + 6 * i);
-  }
-  return f;
-}
-
-FieldSlice finite(FieldSlice f) {
-  for (std::size_t i = 0; i < f.values.size(); ++i) {
-    if (std::isfinite(f.values[i])) continue;
-    throw Error(ExitCode::kInput, fmt::format("{}: the value at vertex {} is not finite", f.path, vertex_number(f, i)));
-  }
-  return f;
-}
 
 GradationReport grade_isotropic(const Comm& comm, const DistMesh& dist, double growth,
                                 std::span<SymTensor> log_metric) {
@@ -117,47 +57,62 @@ double global_diagonal(const Comm& comm, const TetMesh& mesh) {
   return norm(Vec3{ends[0] + ends[3], ends[1] + ends[4], ends[2] + ends[5]});
 }
 
-/// Collective. Calls make(c), which makes log_metric one of complexity c and grades it, until what the gradation adds
-/// is made up for and the complexity is the policy's (secants of its logarithm over that of c).
+/// What bounds the sizes, whatever they are scaled to.
+class Bounds {
+ public:
+  /// Collective.
+  Bounds(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy)
+      : policy_(policy), local_(comm, dist, policy.local) {
+    if (!policy.has_sources()) return;
+    for (const Vec3 x : dist.mesh.coords) source_.push_back(-2 * std::log(policy.sources.at(x)));
+  }
+  void apply(std::span<SymTensor> log_metric) const {
+    clamp_sizes(policy_, log_metric);
+    if (policy_.aspect_max > 0) clamp_aspect(policy_.aspect_max, log_metric);
+    local_.apply(log_metric);
+    for (std::size_t v = 0; v < source_.size(); ++v) log_metric[v] = at_least(log_metric[v], source_[v]);
+  }
+
+ private:
+  const MetricPolicy& policy_;
+  LocalBounds local_;
+  std::vector<double> source_;  // per vertex: least eigenvalue of log M; empty: no sources
+};
+
+/// Collective. Calls make(c), which makes log_metric one of complexity c, bounds and grades it, until the complexity is
+/// the policy's with all that (secants of its logarithm over that of c).
 template <class Make>
-GradationReport meet_complexity(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
-                                std::span<const SymTensor> log_metric, Make&& make) {
+MetricReport meet_complexity(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
+                             std::span<const SymTensor> log_metric, Make&& make) {
   const double wanted = std::log(policy.complexity);
   double aim = wanted, last_aim = 0, last = 0, slope = 1;
-  GradationReport report = make(policy.complexity);
-  for (int i = 0; i < kMostScalings && policy.gradation > 0; ++i) {
-    const double now = std::log(complexity_from_log(comm, dist, log_metric));
-    if (std::abs(now - wanted) < kComplexityTolerance) break;
+  MetricReport report{make(policy.complexity)};
+  for (int i = 0;; ++i) {
+    report.complexity = complexity_from_log(comm, dist, log_metric);
+    const double now = std::log(report.complexity);
+    if (std::abs(now - wanted) < kComplexityTolerance || i == kMostScalings) return report;
     if (i > 0) {
-      if (std::abs(now - last) < 1e-9) break;  // bounds of the sizes put it out of reach
+      if (std::abs(now - last) < 1e-9) return report;  // bounds of the sizes put it out of reach
       slope = std::clamp((now - last) / (aim - last_aim), 0.2, 2.0);
     }
     last = now;
     last_aim = aim;
     aim += (wanted - now) / slope;
-    report = make(std::exp(aim));
+    static_cast<GradationReport&>(report) = make(std::exp(aim));
   }
-  return report;
+}
+
+/// The k-th of n numbers at each vertex.
+std::vector<double> component(std::span<const double> values, std::size_t n, std::size_t k) {
+  std::vector<double> out(values.size() / n);
+  for (std::size_t v = 0; v < out.size(); ++v) out[v] = values[v * n + k];
+  return out;
 }
 
 }  // namespace
 
-FieldSlice metric_values(FieldSlice given, MetricSource source) {
-  switch (source) {
-    case MetricSource::kTensors:
-      return log_of_tensors(std::move(given));
-    case MetricSource::kSizes:
-      return log_of_sizes(given);
-    case MetricSource::kField:
-      return finite(std::move(given));
-  }
-  return given;
-}
-
 double complexity_from_log(const Comm& comm, const DistMesh& dist, std::span<const SymTensor> log_metric) {
-  IdVector<VertId, double> sqrt_det(log_metric.size());
-  for (const VertId v : IdRange<VertId>(sqrt_det.size())) sqrt_det[v] = std::exp(log_sqrt_det(log_metric[idx(v)]));
-  return comm.sum(complexity_of(dist.mesh, [&](VertId v) { return sqrt_det[v]; }));
+  return comm.sum(complexity_of_log(dist.mesh, [&](VertId v) { return log_sqrt_det(log_metric[idx(v)]); }));
 }
 
 void scale_complexity(double factor, std::span<SymTensor> log_metric) noexcept {
@@ -171,6 +126,16 @@ void clamp_sizes(const MetricPolicy& policy, std::span<SymTensor> log_metric) no
   for (SymTensor& l : log_metric) {
     Eigen e = eigen(l);
     for (double& value : e.value) value = std::clamp(value, low, high);
+    l = compose(e);
+  }
+}
+
+void clamp_aspect(double most, std::span<SymTensor> log_metric) noexcept {
+  const double span = 2 * std::log(most);
+  for (SymTensor& l : log_metric) {
+    Eigen e = eigen(l);
+    if (e.value[2] - e.value[0] <= span) continue;
+    for (double& value : e.value) value = std::max(value, e.value[2] - span);
     l = compose(e);
   }
 }
@@ -204,8 +169,8 @@ GradationReport grade(const Comm& comm, const DistMesh& dist, const MetricPolicy
                                                : grade_tensors(comm, dist, policy.gradation, log_metric);
 }
 
-GradationReport scale_to_complexity(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
-                                    std::span<SymTensor> log_metric) {
+MetricReport scale_to_complexity(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
+                                 std::span<SymTensor> log_metric) {
   const double now = complexity_from_log(comm, dist, log_metric);
   agree(comm, [&] {
     if (!(now > 0) || !std::isfinite(now)) {
@@ -213,44 +178,58 @@ GradationReport scale_to_complexity(const Comm& comm, const DistMesh& dist, cons
     }
   });
   const std::vector<SymTensor> given(log_metric.begin(), log_metric.end());
-  double factor = 1;
-  const auto scale = [&] {
-    std::copy(given.begin(), given.end(), log_metric.begin());
-    scale_complexity(factor, log_metric);
-  };
-  const GradationReport report = meet_complexity(comm, dist, policy, log_metric, [&](double aim) {
-    factor = aim / now;
-    scale();
-    return grade(comm, dist, policy, log_metric);
-  });
-  if (!policy.clamps()) return report;
-  scale();  // clamped before it is graded, so that sizes below the least do not spread
-  clamp_sizes(policy, log_metric);
-  return grade(comm, dist, policy, log_metric);
-}
-
-GradationReport metric_from_field(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
-                                  std::span<const double> scalar, std::span<SymTensor> log_metric) {
-  const std::vector<SymTensor> hessian = recover_hessian(comm, dist, Halo(comm, dist.sharing), scalar);
-  std::vector<SymTensor> metric(hessian.size());
+  const Bounds bounds(comm, dist, policy);
   return meet_complexity(comm, dist, policy, log_metric, [&](double aim) {
-    hessian_metric(comm, dist, aim, policy.norm, policy.h_min, policy.h_max, hessian, metric);
-    std::transform(metric.begin(), metric.end(), log_metric.begin(), [](const SymTensor& m) { return log(m); });
+    std::copy(given.begin(), given.end(), log_metric.begin());
+    scale_complexity(aim / now, log_metric);
+    bounds.apply(log_metric);
     return grade(comm, dist, policy, log_metric);
   });
 }
 
-GradationReport make_metric(const Comm& comm, DistMesh& dist, const MetricPolicy& policy) {
+void rescale(const Comm& comm, DistMesh& dist, const MetricPolicy& policy, double factor) {
+  scale_complexity(factor, dist.mesh.log_metric.raw());
+  Bounds(comm, dist, policy).apply(dist.mesh.log_metric.raw());
+}
+
+MetricReport metric_from_field(const Comm& comm, const DistMesh& dist, const MetricPolicy& policy,
+                               std::span<const double> scalar, std::span<SymTensor> log_metric) {
+  constexpr double kMostStretched = 1e4;
+  const std::size_t fields = scalar.size() / std::max<std::size_t>(1, log_metric.size());
+  const auto n = static_cast<std::size_t>(comm.max(static_cast<std::int64_t>(fields)));
+  std::vector<std::vector<SymTensor>> hessian;
+  for (std::size_t k = 0; k < n; ++k) {
+    hessian.push_back(recover_hessian(comm, dist, Halo(comm, dist.sharing), component(scalar, n, k)));
+  }
+  std::vector<SymTensor> metric(log_metric.size());
+  const Bounds bounds(comm, dist, policy);
+  return meet_complexity(comm, dist, policy, log_metric, [&](double aim) {
+    for (std::size_t k = 0; k < n; ++k) {
+      hessian_metric(comm, dist, aim, policy.norm, policy.h_min, policy.h_max, hessian[k], metric,
+                     policy.aspect_max > 0 ? policy.aspect_max : kMostStretched);
+      for (std::size_t v = 0; v < metric.size(); ++v) {
+        log_metric[v] = k == 0 ? log(metric[v]) : strictest(log_metric[v], log(metric[v]));
+      }
+    }
+    bounds.apply(log_metric);
+    return grade(comm, dist, policy, log_metric);
+  });
+}
+
+MetricReport make_metric(const Comm& comm, DistMesh& dist, const MetricPolicy& policy) {
   auto& column = dist.mesh.log_metric;
   if (policy.source == MetricSource::kField) {
     const VertFields scalar = std::exchange(dist.mesh.fields, {});
     column.assign(dist.mesh.vert_slots(), {});
     return metric_from_field(comm, dist, policy, scalar.values, column.raw());
   }
+  if (policy.source == MetricSource::kMesh) column.raw() = own_log_metric(comm, dist);
   bound_sizes(comm, dist, policy, column.raw());
   if (policy.complexity > 0) return scale_to_complexity(comm, dist, policy, column.raw());
-  clamp_sizes(policy, column.raw());
-  return grade(comm, dist, policy, column.raw());
+  Bounds(comm, dist, policy).apply(column.raw());
+  MetricReport report{grade(comm, dist, policy, column.raw())};
+  report.complexity = complexity_from_log(comm, dist, column.raw());
+  return report;
 }
 
 }  // namespace skein

@@ -167,6 +167,42 @@ TEST(Adapt, ToAMetricAndToAField) {
   EXPECT_NEAR(b.report.complexity, 300, 60);
 }
 
+// From 384 tetrahedra, with sizes that vary by a factor of fifty within them.
+TEST(Adapt, WhatIsWantedIsMetOnTheResult) {
+  const auto run = [](auto&& choose) {
+    SlicedMesh mesh = sliced(MPI_COMM_WORLD, cube(4));
+    std::vector<double> h;
+    for (const Point& x : mesh.coords) h.push_back(x[0] < 0.1 ? 0.01 : 0.5);
+    Options options;
+    options.gradation = 0;
+    choose(options);
+    return adapt(MPI_COMM_WORLD, std::move(mesh), Target::size(std::move(h)), {}, options).report;
+  };
+  EXPECT_NEAR(double(run([](Options& o) { o.elements = 12000; }).tets) / 12000, 1, 0.05);
+  EXPECT_NEAR(double(run([](Options& o) { o.vertices = 3000; }).vertices) / 3000, 1, 0.05);
+  EXPECT_NEAR(run([](Options& o) { o.complexity = 1500; }).complexity / 1500, 1, 0.05);
+}
+
+TEST(Adapt, OwnSizesAndFrozenReferences) {
+  Options options;
+  options.freeze_patches = {1};
+  SlicedMesh mesh = sliced(MPI_COMM_WORLD, cube(4));
+  const auto ones = [](const SlicedMesh& m) {
+    std::int64_t n = std::count(m.triangle_refs.begin(), m.triangle_refs.end(), 1);
+    MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+    return n;
+  };
+  const std::int64_t before = ones(mesh);
+  ASSERT_GT(before, 0);
+  const auto out = adapt(MPI_COMM_WORLD, mesh, Target::own_sizes(), {}, options);
+  EXPECT_NEAR(double(out.report.tets) / 384, 1, 0.3);
+  EXPECT_EQ(ones(out.mesh), before);
+  options.elements = 5000;
+  const auto fine = adapt(MPI_COMM_WORLD, std::move(mesh), Target::own_sizes(), {}, options);
+  EXPECT_EQ(ones(fine.mesh), before);
+  EXPECT_GT(fine.report.tets, 3000);
+}
+
 TEST(Adapt, AnErrorStaysInItsCommunicator) {
   const int rank = rank_in(MPI_COMM_WORLD), ranks = ranks_in(MPI_COMM_WORLD);
   const bool bad = rank < (ranks + 1) / 2;

@@ -29,7 +29,7 @@ WholeMesh ball(int n) {
 
 struct Adapted {
   MeshSlice mesh;
-  AdaptationFindings found;
+  AdaptationReport found;
 };
 /// Collective. Adapts to one size everywhere.
 Adapted adapted(const MeshSlice& file, double size, const AdaptationOptions& with = {},

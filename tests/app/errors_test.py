@@ -11,9 +11,9 @@ PRECIOUS = b"an old result that must survive\n"
 
 
 class Errors(Case):
-    def refused(self, code, words, *args):
-        """The run fails as it must on 1 and 2 ranks; `words` are in its one line. Gives that line."""
-        for ranks in RANKS:
+    def refused(self, code, words, *args, ranks_tried=RANKS):
+        """The run fails as it must on 1 and 2 ranks; `words` are in its one line."""
+        for ranks in ranks_tried:
             with self.subTest(ranks=ranks, args=args):
                 before = self.contents()
                 result = run(ranks, *args)
@@ -52,16 +52,53 @@ class Errors(Case):
     # command line
 
     def test_usage(self):
-        self.refused(USAGE, ["subcommand"])
-        self.refused(USAGE, ["adpt", "not a verb"], "adpt")
-        self.refused(USAGE, ["IN"], "adapt")
-        self.refused(USAGE, ["--metric", "--size"], "adapt", self.good, "-o", self.path("out.meshb"))
-        self.refused(USAGE, ["--complexity"], "adapt", self.good, "--field", self.metric, "-o", self.path("out.meshb"))
+        self.refused(USAGE, ["command is required"], ranks_tried=(1,))
+        self.refused(USAGE, ["adpt", "not a command", "'adapt'"], "adpt", ranks_tried=(1,))
+        self.refused(USAGE, ["IN"], "adapt", ranks_tried=(1,))
+        self.refused(USAGE, ["--metric", "--size"], "adapt", self.good, "-o", self.path("out.meshb"), ranks_tried=(1,))
+        self.refused(USAGE, ["--complexity"], "adapt", self.good, "--field", self.metric, "-o", self.path("out.meshb"), ranks_tried=(1,))
         self.refused(USAGE, ["--wrong"], *self.adapt(), "--wrong")
-        self.refused(USAGE, ["--rounds"], *self.adapt(), "--rounds", "many")
-        self.refused(USAGE, ["--gradation"], *self.adapt(), "--gradation", "0.9")
-        self.refused(USAGE, ["--field-out", "--field-in"], *self.adapt(), "--field-out", self.path("f.sol"))
-        self.refused(USAGE, ["--field-in", "--field-out"], *self.adapt(), "--field-in", self.metric)
+        self.refused(USAGE, ["--rounds"], *self.adapt(), "--rounds", "many", ranks_tried=(1,))
+        self.refused(USAGE, ["--gradation"], *self.adapt(), "--gradation", "0.9", ranks_tried=(1,))
+        self.refused(USAGE, ["--field-out", "--field-in"], *self.adapt(), "--field-out", self.path("f.sol"), ranks_tried=(1,))
+        self.refused(USAGE, ["--field-in", "--field-out"], *self.adapt(), "--field-in", self.metric, ranks_tried=(1,))
+
+    def test_words_that_nobody_knows(self):
+        """A long option with one dash is no -h, and what may be meant is told."""
+        for command, words in (("adapt", (("-hmax", "--hmax"), ("-hgrad", "--gradation"), ("-hsiz", "--size"),
+                                          ("-out", "--output"), ("--complx", "--complexity"), ("--metrics", "--metric"),
+                                          ("--rond=3", "--rounds"), ("-hmax=3", "--hmax"), ("-nosurf", "--no-surface"))),
+                               ("generate", (("-sizemax", "--size-max"), ("--source", "--sources"))),
+                               ("check", (("-json", "--json"),)), ("stats", (("--metrc", "--metric"),)),
+                               ("convert", (("--mrge", "--merge"),)), ("partition", (("-parts", "--parts"),))):
+            for word, meant in words:
+                self.refused(USAGE, [word, f"did you mean {meant}?"], command, self.good, word, "3", ranks_tried=(1,))
+        self.refused(USAGE, ["'generte'", "did you mean 'generate'?"], "generte", ranks_tried=(1,))
+        self.refused(USAGE, ["-hmax", "the command comes before"], "-hmax", "3", "adapt", ranks_tried=(1,))
+
+    def test_numbers(self):
+        for words in (("--hmax", "-3"), ("--hmin", "nan"), ("--complexity", "1e400"), ("--max-elements", "0")):
+            self.refused(USAGE, [words[0], "greater than 0"], *self.adapt(), *words, ranks_tried=(1,))
+
+    def test_outputs_are_files_of_their_own(self):
+        out = self.path("out.vtu")
+        self.refused(USAGE, ["out.vtu", "two outputs"], "adapt", self.good, "--metric", self.metric, "-o", out, "--report",
+                     os.path.join(self.folder, ".", "out.vtu"))
+        self.refused(USAGE, ["good.mesh", "is an input", "--overwrite-input"], *self.adapt(out=self.good))
+        self.refused(USAGE, ["good.sol", "is an input"], "adapt", self.good, "--metric", self.metric, "-o", out,
+                     "--metric-out", self.metric, ranks_tried=(1,))
+        os.symlink(self.good, self.path("link.mesh"))
+        self.refused(USAGE, ["is an input"], "convert", self.good, self.path("link.mesh"), ranks_tried=(1,))
+        self.refused(USAGE, ["is an input"], "partition", self.good, "--parts", "2", "-o", self.good, ranks_tried=(1,))
+        self.assertEqual(run(1, "convert", self.good, self.good, "--overwrite-input").code, 0)
+
+    def test_interrupted(self):
+        write_solution(self.metric, [isotropic(0.01)] * len(self.verts))
+        before = self.contents()
+        for signal, code in (("INT", 130), ("TERM", 143)):
+            result = run(1, *self.adapt(), prefix=("timeout", "--foreground", "--preserve-status", "-s", signal, "1"))
+            self.judge(result, 0, code, ["interrupted"])
+            self.assertEqual(self.contents(), before)
 
     # inputs
 

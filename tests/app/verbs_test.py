@@ -4,7 +4,7 @@ import os
 import unittest
 
 import runner
-from runner import Case, RANKS, read_rows, run, surface_only, write_mesh, write_solution
+from runner import Case, RANKS, isotropic, read_rows, run, surface_only, write_mesh, write_solution
 
 
 class Verbs(Case):
@@ -28,10 +28,13 @@ class Verbs(Case):
     def test_help_and_version(self):
         for ranks in RANKS:
             with self.subTest(ranks=ranks):
+                self.assertLessEqual(max(map(len, self.done(ranks, "--help").out.splitlines())), 80)
                 self.assertEqual(self.done(ranks, "--version").out.count("skein "), 1)
                 for verb in ("adapt", "generate", "check", "stats", "convert", "partition"):
                     if ranks == 1 or verb == "adapt":
-                        self.assertEqual(self.done(ranks, verb, "--help").out.count("Example: "), 1)
+                        text = self.done(ranks, verb, "--help").out
+                        self.assertEqual(text.count("Example: "), 1)
+                        self.assertLessEqual(max(map(len, text.splitlines())), 80)
 
     def test_adapt(self):
         for ranks in RANKS:
@@ -52,6 +55,18 @@ class Verbs(Case):
                 for name in ("total", "read", "distribute", "adapt", "write"):
                     self.assertIn(name, told["seconds"])
                 self.assertIn("insert", {name for p in told["phases"] for name in p["operations"]})
+                for words in ("skein 0", "input: 1 region", "expected: ", "rounds: ", "worst element: quality"):
+                    self.assertEqual(result.out.count(words), 1, words)
+                self.assertLess(abs(told["elements_expected"] / told["elements_out"] - 1), 0.2)
+                self.assertEqual([p["ref"] for p in told["patches"]], [1, 2, 3, 4, 5, 6])
+                for p in told["patches"]:
+                    self.assertEqual(p["elements_in"], 18)
+                    self.assertAlmostEqual(p["area_in"], 1, delta=1e-12)
+                    self.assertAlmostEqual(p["area_out"], 1, delta=1e-12)
+                self.assertEqual(told["regions"][0]["elements_out"], told["elements_out"])
+                self.assertAlmostEqual(told["worst"]["quality"], told["quality"]["min"], delta=1e-9)
+                for key in ("hmin", "hmax", "gradation", "norm", "max_elements", "merge", "optim"):
+                    self.assertIn(key, told["options"])
                 # the files written tell the same as the report
                 stats = self.json(ranks, "stats", out, "--metric", metric)
                 self.assertEqual(stats["edges"], told["edges"])
@@ -83,6 +98,63 @@ class Verbs(Case):
             with self.subTest(ranks=ranks):
                 self.done(ranks, "adapt", self.good, "--field", field, "--complexity", "60", "-o", out)
                 self.assert_valid_cube(out)
+
+    def adapted(self, *options, ranks=1):
+        """The report of an adaptation of good.mesh, and its mesh."""
+        out, report = self.path("o.mesh"), self.path("o.json")
+        self.done(ranks, "adapt", self.good, *options, "-o", out, "--report", report)
+        with open(report, encoding="utf-8") as f:
+            return json.load(f), out
+
+    def test_what_sizes_can_be_made_of(self):
+        told, _ = self.adapted("--size", "0.2", "--gradation", "0")
+        self.assertAlmostEqual(told["complexity"], 125, delta=1e-6)
+        self.assertEqual(told["options"]["size"], ["0.2"])
+        told, _ = self.adapted("--optim", ranks=2)
+        self.assertLess(abs(told["elements_out"] / len(self.tets) - 1), 0.3)
+        # the strictest of two
+        coarse = self.path("coarse.sol")
+        write_solution(coarse, [isotropic(0.5)] * len(self.verts))
+        told, _ = self.adapted("--metric", coarse, "--metric", self.metric)
+        self.assertAlmostEqual(told["complexity"], 64, delta=1e-6)
+        # one of several fields, by its number, and the only one of its kind
+        many = self.path("many.sol")
+        with open(many, "w", encoding="ascii") as f:
+            f.write(f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{len(self.verts)}\n3 1 1 3\n")
+            f.writelines(f"0 {x * x!r} 16 0 16 0 0 16\n" for x, _, _ in self.verts)
+        told, _ = self.adapted("--metric", many)
+        self.assertAlmostEqual(told["complexity"], 64, delta=1e-6)
+        told, _ = self.adapted("--field", many + ":2", "--elements", "2000")
+        self.assertLess(abs(told["elements_out"] / 2000 - 1), 0.05)
+        for words, wrong in ((["many.sol", "3 fields", "many.sol:1"], many), (["no field 9"], many + ":9")):
+            result = run(1, "adapt", self.good, "--field", wrong, "--complexity", "60", "-o", self.path("o.mesh"))
+            self.assertEqual(result.code, 3)
+            for word in words:
+                self.assertIn(word, result.err)
+
+    def test_a_constant_field_is_told(self):
+        flat = self.path("flat.sol")
+        write_solution(flat, [(3.5,)] * len(self.verts))
+        out = self.done(1, "adapt", self.good, "--field", flat, "--complexity", "60", "-o", self.path("o.mesh")).out
+        self.assertIn("the field is 3.5 everywhere", out)
+
+    def test_sources_local_sizes_and_frozen_patches(self):
+        sources, local = self.path("s.toml"), self.path("l.toml")
+        with open(sources, "w", encoding="ascii") as f:
+            f.write("size_max = 0.5\n[[point]]\nat = [0, 0, 0]\nspacing = 0.05\nr1 = 0.1\nr2 = 0.2\n")
+        told, out = self.adapted("--sources", sources)
+        self.assert_valid_cube(out)
+        near = sum(1 for x, y, z, _ in read_rows(out, "Vertices", 4) if max(x, y, z) < 0.2)
+        far = sum(1 for x, y, z, _ in read_rows(out, "Vertices", 4) if min(x, y, z) > 0.5)
+        self.assertGreater(near, 3 * far)
+        with open(local, "w", encoding="ascii") as f:
+            f.write("[names]\nfloor = 5\n[[patch]]\nname = \"floor\"\nsize = 0.1\n[[patch]]\nref = 6\nfreeze = true\n")
+        _, out = self.adapted("--size", "0.3", "--local", local, "--freeze-ref", "patch:1,2", ranks=2)
+        faces = [int(row[3]) for row in read_rows(out, "Triangles", 4)]
+        self.assertEqual([faces.count(ref) for ref in (1, 2, 6)], [18, 18, 18])
+        self.assertGreater(faces.count(5), 5 * 18)
+        result = run(1, "adapt", self.good, "--size", "0.3", "--freeze-ref", "77", "-o", out)
+        self.assertEqual((result.code, "no patch or region 77" in result.err), (3, True), result.err)
 
     def test_fields_travel(self):
         scalar, rest, sizes = self.path("p.sol"), self.path("rest.sol"), self.path("h.sol")
@@ -154,6 +226,32 @@ class Verbs(Case):
                 self.assertEqual(text.code, 1)
                 self.assertIn("tetrahedron 6", text.out)
 
+    def test_check_of_surfaces_and_of_meshes_without_triangles(self):
+        surface, bare = self.path("s.mesh"), self.path("bare.mesh")
+        verts, tris = surface_only(self.verts, self.tris)
+        write_mesh(surface, verts, [], tris)
+        write_mesh(bare, self.verts, self.tets, [])
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                found = self.json(ranks, "check", surface)
+                self.assertTrue(found["valid"] and found["oriented"])
+                self.assertAlmostEqual(found["volume"], 1, delta=1e-12)
+                self.assertTrue(self.json(ranks, "check", bare)["valid"])
+        self.assertIn("encloses a volume of 1", self.done(1, "check", surface).out)
+        write_mesh(surface, verts, [], [tris[0][:2][::-1] + tris[0][2:], *tris[1:]])
+        found = self.json(2, "check", surface)
+        self.assertEqual((found["oriented"], found["volume"]), (False, 0))
+
+    def test_sections_that_are_not_kept_are_told_once(self):
+        odd = self.path("odd.mesh")
+        with open(self.good, encoding="ascii") as f:
+            text = f.read()
+        with open(odd, "w", encoding="ascii") as f:
+            f.write(text.replace("End", "Normals\n1\n0 0 1\nTangents\n1\n0 0 1\nEnd"))
+        for ranks in RANKS:
+            out = self.done(ranks, "convert", odd, self.path("even.mesh")).out
+            self.assertEqual(out.count("Normals, Tangents"), 1)
+
     def test_check_lists_ten_of_a_kind(self):
         bad = self.path("bad.mesh")
         write_mesh(bad, self.verts, self.tets, self.tris[20:])
@@ -173,6 +271,55 @@ class Verbs(Case):
         plain = self.done(2, "stats", self.good).out
         self.assertIn("dihedral", plain)
         self.assertNotIn("quality", plain)
+
+    def mean_ratio(self, tet):
+        """36/3^(1/3) V^(2/3) over the sum of the squares of the edges."""
+        x = [self.verts[v] for v in tet]
+        e = [[x[k][i] - x[0][i] for i in range(3)] for k in (1, 2, 3)]
+        cross = [e[1][(i + 1) % 3] * e[2][(i + 2) % 3] - e[1][(i + 2) % 3] * e[2][(i + 1) % 3] for i in range(3)]
+        volume = sum(c * d for c, d in zip(e[0], cross)) / 6
+        squares = sum((p - q) ** 2 for i in range(4) for j in range(i) for p, q in zip(x[i], x[j]))
+        return 36 / 3 ** (1 / 3) * volume ** (2 / 3) / squares
+
+    def test_where_it_is_bad(self):
+        bad = self.path("bad.mesh")
+        inside = next(v for v, x in enumerate(self.verts) if all(0 < c < 1 for c in x))
+        self.verts[inside] = (0.15, 0.3, 0.2)
+        write_mesh(bad, self.verts, self.tets, self.tris)
+        qualities = [self.mean_ratio(t) for t in self.tets]
+        for ranks in RANKS:
+            found = self.json(ranks, "stats", bad, "--worst", "3")["worst"]
+            for w, q in zip(found, sorted(qualities)[:3]):
+                self.assertAlmostEqual(w["quality"], q, delta=1e-12)
+                self.assertAlmostEqual(qualities[w["tetrahedron"] - 1], q, delta=1e-12)
+                corners = [self.verts[v] for v in self.tets[w["tetrahedron"] - 1]]
+                for k in range(3):
+                    self.assertAlmostEqual(w["at"][k], sum(x[k] for x in corners) / 4, delta=1e-12)
+        self.assertIn(f"tetrahedron {found[0]['tetrahedron']}: quality", self.done(1, "stats", bad, "--worst", "1").out)
+
+    def test_pictures_have_what_there_is_to_see(self):
+        arrays = ("ref", "quality", "edge_length", "aspect_ratio", "min_dihedral", "part")
+        with_field, adapted = self.path("w.vtu"), self.path("a.pvtu")
+        field = self.path("mach.sol")
+        write_solution(field, [(x,) for x, _, _ in self.verts])
+        self.done(2, "convert", self.good, with_field, "--with", field, "--with", self.metric)
+        self.done(2, "adapt", self.good, "--size", "0.3", "-o", adapted)
+        for path, more in ((with_field, ("mach", "good")), (adapted, ("size", "metric"))):
+            with open(path, "rb") as f:
+                head = f.read(4000).decode("latin-1")
+            for name in arrays + more:
+                self.assertIn(f'Name="{name}"', head)
+        result = run(1, "convert", self.good, self.path("x.mesh"), "--with", field)
+        self.assertEqual((result.code, ".vtu" in result.err), (2, True))
+
+    def test_generate_keeps_the_surface_unless_sizes_are_given(self):
+        surface, out = self.path("s.mesh"), self.path("g.mesh")
+        verts, tris = surface_only(self.verts, self.tris)
+        write_mesh(surface, verts, [], tris)
+        for options, kept in (((), True), (("--size-max", "0.2"), False), (("--size-max", "0.2", "--keep-surface"), True)):
+            done = self.done(1, "generate", surface, "-o", out, *options)
+            self.assertEqual(len(read_rows(out, "Triangles", 4)) == len(tris), kept, options)
+            self.assertEqual("surface triangulation is kept" in done.out, options == ())
 
     def assert_close(self, a, b):
         for name in a:

@@ -80,19 +80,27 @@ TEST(Generate, FillsFlatSidedSurfacesExactly) {
   }
 }
 
-TEST(Generate, KeepsTheSurfaceWhenTold) {
-  const MeshSlice whole = test::sphere(3);
-  GenerateOptions options;
-  options.keep_surface = true;
-  options.size_max = 0.15;
-  const Generated g = run(world(), sliced(whole), options);
-  expect_volume_mesh(g, whole);
-  EXPECT_NEAR(g.stats.volume, check_surface(whole).volume, 1e-10);
+std::int64_t hull_faces(const Generated& g) {
   std::int64_t hull = 0;
   for (const auto& tags : g.dist.mesh.face_tag) {
     for (const FaceTag t : tags) hull += is_hull(t) ? 1 : 0;
   }
-  EXPECT_EQ(world().sum(hull), whole.triangles.total);
+  return world().sum(hull);
+}
+
+TEST(Generate, KeepsTheSurfaceWhenToldAndWhereNoSizesAreGiven) {
+  const MeshSlice whole = test::sphere(3);
+  GenerateOptions told, silent, remeshed;
+  told.surface = GenerateOptions::Surface::kKept;
+  told.size_max = 0.15;
+  for (const GenerateOptions& options : {told, silent}) {
+    const Generated g = run(world(), sliced(whole), options);
+    expect_volume_mesh(g, whole);
+    EXPECT_NEAR(g.stats.volume, check_surface(whole).volume, 1e-10);
+    EXPECT_EQ(hull_faces(g), whole.triangles.total);
+  }
+  remeshed.size_max = 0.15;
+  EXPECT_NE(hull_faces(run(world(), sliced(whole), remeshed)), whole.triangles.total);
 }
 
 TEST(Generate, MeetsTheSpacingOfSources) {

@@ -2,6 +2,8 @@
 
     check_vtk.py FILE POINTS TETS TRIANGLES VOLUME AREA REFSUM [NAME COMPONENT LOW HIGH]...
 
+A name that begins with "cell:" is that of an array of the cells.
+
 Prints one line for each difference; the exit code is their number.
 """
 import sys
@@ -37,7 +39,8 @@ def compare(path, wanted):
     pairs = [(name, found[name], float(value)) for name, value in zip(found, wanted)]
     for i in range(6, len(wanted), 4):
         name, component, low, high = wanted[i : i + 4]
-        array = grid.GetPointData().GetArray(name)
+        data = grid.GetCellData() if name.startswith("cell:") else grid.GetPointData()
+        array = data.GetArray(name.removeprefix("cell:"))
         if array is None:
             pairs.append((name, float("nan"), 0.0))
             continue

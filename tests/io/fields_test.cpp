@@ -87,7 +87,7 @@ TEST(Fields, EachKindAlone) {
 TEST(Fields, LargeVersionFour) {
   const FieldSlice whole = whole_fields(50);
   const Folder folder(world());
-  io::write_gmf_fields(world(), folder / "a.solb", cut(whole, world()), 4);
+  io::write_gmf_fields(world(), folder / "a.solb", cut(whole, world()), GmfVersion::k4);
   expect_same(join(world(), read_fields(world(), folder / "a.solb")), whole);
 }
 

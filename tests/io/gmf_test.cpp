@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(AllKinds, GmfImages,
                          ::testing::Values(Kind{1, false}, Kind{2, false}, Kind{3, false}, Kind{4, false},
                                            Kind{1, true}, Kind{2, true}, Kind{3, true}, Kind{4, true}));
 
-class GmfVersions : public ::testing::TestWithParam<int> {};
+class GmfVersions : public ::testing::TestWithParam<GmfVersion> {};
 
 TEST_P(GmfVersions, RoundTripAndSameBytesAtAnyRanks) {
   const MeshSlice whole = whole_box(4);
@@ -67,17 +67,47 @@ TEST_P(GmfVersions, RoundTripAndSameBytesAtAnyRanks) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, GmfVersions, ::testing::Values(3, 4));
+INSTANTIATE_TEST_SUITE_P(All, GmfVersions, ::testing::Values(GmfVersion::k2, GmfVersion::k3, GmfVersion::k4));
 
-TEST(Gmf, VersionIsThreeUnlessNumbersAreLarge) {
-  const Folder folder(world());
-  const MeshSlice whole = whole_box(1);
-  write_mesh(world(), folder / "a.meshb", cut(whole, world()));
+std::int32_t version_of(const std::string& path) {
   std::int32_t head[2] = {0, 0};
-  const auto bytes = bytes_of_file(folder / "a.meshb");
+  const auto bytes = bytes_of_file(path);
   std::memcpy(head, bytes.data(), sizeof head);
   EXPECT_EQ(head[0], 1);
-  EXPECT_EQ(head[1], 3);
+  return head[1];
+}
+
+TEST(Gmf, VersionIsTwoWhereItFits) {
+  const Folder folder(world());
+  write_mesh(world(), folder / "a.meshb", cut(whole_box(1), world()));
+  EXPECT_EQ(version_of(folder / "a.meshb"), 2);
+  write_fields(world(), folder / "a.solb", cut(whole_fields(27), world()));
+  EXPECT_EQ(version_of(folder / "a.solb"), 2);
+  write_fields(world(), folder / "b.solb", cut(whole_fields(27), world()), GmfVersion::k4);
+  EXPECT_EQ(version_of(folder / "b.solb"), 4);
+  constexpr std::int64_t kMost = INT32_MAX;
+  EXPECT_EQ(io::gmf_version_for(kMost, kMost), 2);
+  EXPECT_EQ(io::gmf_version_for(10, kMost + 1), 3);
+  EXPECT_EQ(io::gmf_version_for(kMost + 1, 2 * kMost), 4);
+}
+
+// A mesh of version 2 is what GmfImage makes of it by hand, section by section: no padding, positions of four bytes.
+TEST(Gmf, VersionTwoByteByByte) {
+  MeshSlice whole;
+  whole.total_verts = 4;
+  whole.coords = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  whole.vert_ref = {1, 2, 3, 4};
+  whole.tets.total = 1;
+  whole.tets.verts = {{GlobalId{0}, GlobalId{1}, GlobalId{2}, GlobalId{3}}};
+  whole.tets.ref = {7};
+  GmfImage image(2);
+  image.dimension(3);
+  image.vertices(whole);
+  image.cells(8, whole.tets);
+  image.end();
+  const Folder folder(world());
+  write_mesh(world(), folder / "a.meshb", cut(whole, world()));
+  EXPECT_TRUE(bytes_of_file(folder / "a.meshb") == image.bytes);
 }
 
 TEST(Gmf, SurfaceWithoutTetrahedra) {

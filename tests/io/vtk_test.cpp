@@ -100,6 +100,28 @@ TEST(Vtk, Pieces) {
   EXPECT_EQ(folder.names().size(), 2 * (1 + static_cast<std::size_t>(world().size())));
 }
 
+TEST(Vtk, NumbersOfTheTetrahedra) {
+  const MeshSlice whole = whole_box(3);
+  FieldSlice all;
+  all.total = whole.tets.total, all.kinds = {FieldKind::kScalar, FieldKind::kScalar}, all.width = 2;
+  all.names = {"quality", "part"};
+  for (std::int64_t t = 0; t < all.total; ++t)
+    all.values.insert(all.values.end(), {0.5 + static_cast<double>(t), -2.0 * static_cast<double>(t)});
+  const std::string ranges = range(all, 0, "cell:quality", 0) + range(all, 1, "cell:part", 0);
+  const Folder folder(world());
+  for (const bool even : {true, false}) {
+    const MeshSlice slice = cut(whole, world(), even);
+    FieldSlice mine = all;
+    mine.first = slice.tets.first;
+    const auto begin = all.values.begin() + 2 * slice.tets.first;
+    mine.values.assign(begin, begin + 2 * std::ssize(slice.tets.verts));
+    for (const std::string name : {"a.vtu", "a.pvtu"}) {
+      write_mesh(world(), folder / name, slice, nullptr, GmfVersion::kLowest, &mine);
+      expect_vtk(folder / name, whole, name == "a.vtu" ? whole.total_verts : piece_points(slice), ranges);
+    }
+  }
+}
+
 TEST(Vtk, NoFieldsAndFewerCellsThanRanks) {
   MeshSlice whole = whole_box(1);
   whole.tets.verts.resize(2);

@@ -39,6 +39,39 @@ TEST(Complexity, VertexRuleIsExactForALinearDensity) {
   EXPECT_NEAR(complexity_of(m, [&](VertId v) { return density(m.coords[v]); }), exact, 1e-12);
 }
 
+TEST(Complexity, MeanOfALogLinearDensityIsExactWhereverItVaries) {
+  for (const double k : {1e-3, 1.0, 1.9, 2.1, 10.0, 60.0}) {
+    // 6 times the integral of exp(k x) (1-x)^2/2; as a series where k is small
+    const double exact = k < 0.1 ? 1 + k / 4 + k * k / 20 : 3 * (2 * std::exp(k) - 2 - 2 * k - k * k) / (k * k * k);
+    EXPECT_NEAR(mean_of_log_linear({0, k, 0, 0}), exact, 5e-3 * exact) << k;
+    EXPECT_NEAR(mean_of_log_linear({3, 3, 3 + k, 3}), std::exp(3) * exact, 5e-3 * std::exp(3) * exact) << k;
+  }
+}
+
+// A density that falls by six orders of magnitude from one end to the other: the mesh may be as coarse as it likes.
+TEST(Complexity, OfALogLinearDensityIsTheSameOnAnyMesh) {
+  const TetMesh m = two_tets();
+  const auto l = [&](VertId v) { return 14 * m.coords[v].x - 7 * m.coords[v].y; };
+  const auto density = [&](Vec3 x) { return std::exp(14 * x.x - 7 * x.y); };
+  double sum = 0;  // the midpoint rule on many small prisms of parameter space
+  constexpr int kSteps = 120;
+  for (const TetId t : {TetId{0}, TetId{2}}) {
+    const auto& v = m.tet2vert[t];
+    const Vec3 o = m.coords[v[0]];
+    for (int i = 0; i < kSteps; ++i) {
+      for (int j = 0; j < kSteps; ++j) {
+        for (int k = 0; k < kSteps; ++k) {
+          const double a = (i + 0.5) / kSteps, b = (j + 0.5) / kSteps * (1 - a), c = (k + 0.5) / kSteps * (1 - a - b);
+          const double weight = (1 - a) * (1 - a - b) / (double(kSteps) * kSteps * kSteps);
+          sum += weight * volume6(m, t) *
+                 density(o + a * (m.coords[v[1]] - o) + b * (m.coords[v[2]] - o) + c * (m.coords[v[3]] - o));
+        }
+      }
+    }
+  }
+  EXPECT_NEAR(complexity_of_log(m, l) / sum, 1, 0.01);
+}
+
 TEST(Complexity, WeightsGiveTheSameSum) {
   TetMesh m = two_tets();
   m.tet2vert.resize(1);  // no free slots
