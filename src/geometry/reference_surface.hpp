@@ -37,7 +37,7 @@ struct SurfacePoint {
 
 /// Immutable. Several threads may ask at once; answers depend on nothing but the arguments.
 ///
-/// Between vertices, kPatches has Nielson's side-vertex interpolant [nielson1987; the chapter 35.4.7.1] over each
+/// Between vertices, kPatches has Nielson's side-vertex interpolant [Nielson1987; the chapter 35.4.7.1] over each
 /// triangle: it meets the vertices, their normals, and along each side one cubic and its normals that both triangles at
 /// the side share, so that the surface has no kinks but at feature edges. These are cubics themselves. Normals are
 /// those of quadrics through the triangles round a vertex that no feature edge separates (one-sided at features),
