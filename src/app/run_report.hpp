@@ -61,7 +61,7 @@ class RunRecord {
   std::string input;
   Json options = Json::object();  ///< as given on the command line
   std::int64_t elements_in = 0, vertices_in = 0;
-  Json surface;    ///< null: it was to stay as it is
+  Json surface;               ///< null: it was to stay as it is
   Json end_check;             ///< null: there was no mesh to compare with
   Census before;              ///< of the input; empty: there was no mesh
   double predicted_tets = 0;  ///< of the metric, before the work; 0: not known

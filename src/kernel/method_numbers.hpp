@@ -137,8 +137,7 @@ void for_each_number(M&& m, Visit&& visit) {
   visit("growth.stretch_left", m.growth.stretch_left, 1, 1e9, "... and what is left by such steps, where they end");
   visit("growth.stretch_step", m.growth.stretch_step, 2, 1000, "edges out of one in such a step");
   visit("growth.stretch_least", m.growth.stretch_least, 0, 1e9, "predicted elements for which such a step pays");
-  visit("growth.stretch_progress", m.growth.stretch_progress, 0, 1,
-        "logarithm by which each must lower the stretch");
+  visit("growth.stretch_progress", m.growth.stretch_progress, 0, 1, "logarithm by which each must lower the stretch");
 
   visit("rounds.mending", m.rounds.mending, 0, 100, "rounds after the others, for what frozen vertices have left bad");
   visit("rounds.layers", m.rounds.layers, 1, 100, "layers by which interfaces move after the first round");
